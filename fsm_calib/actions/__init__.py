@@ -1,0 +1,1 @@
+"""What a state does: ask the robot, call perception, return an outcome."""

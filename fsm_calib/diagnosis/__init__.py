@@ -1,0 +1,1 @@
+"""Replay, residuals, location, hypotheses, fit, decision."""

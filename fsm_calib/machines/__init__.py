@@ -1,0 +1,1 @@
+"""The five calibration machines and their supervisor, declared as data."""

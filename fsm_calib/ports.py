@@ -1,0 +1,46 @@
+"""What a robot is to us: three sockets that a simulated and a real robot both fit.
+
+The actions know a robot only through these protocols; there is no way from here to the truth of a simulated world.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from fsm_calib.types import Frame, WheelCommand
+
+
+@runtime_checkable
+class Clock(Protocol):
+    """Robot time [s], monotonic from zero at the start of the run."""
+
+    def now(self) -> float:
+        """Return the time [s]."""
+        ...
+
+    def wait(self, duration: float) -> None:
+        """Let `duration` [s] pass while the wheels keep their last command."""
+        ...
+
+
+@runtime_checkable
+class WheelDrive(Protocol):
+    """Two driven wheels."""
+
+    def command(self, command: WheelCommand) -> None:
+        """Apply a command at once; it holds until the next one."""
+        ...
+
+
+@runtime_checkable
+class Camera(Protocol):
+    """A camera that hands out single frames."""
+
+    def capture(self) -> Frame | None:
+        """Expose one frame now and return it; None when the camera delivered nothing."""
+        ...
+
+
+@runtime_checkable
+class Robot(WheelDrive, Camera, Clock, Protocol):
+    """All of it in one object: wheels, camera and clock."""

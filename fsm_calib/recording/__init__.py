@@ -1,0 +1,1 @@
+"""One recording type, its readers and writers."""

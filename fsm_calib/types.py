@@ -1,0 +1,191 @@
+"""The frozen values that pass between the rooms.
+
+Frames (REP-103): `world` and `base` have x forward, y left, theta counter-clockwise; `base` stands on the floor
+under the centre of the axle; `camera` has x right, y down, z forward; `image` has (0, 0) at the centre of the top
+left pixel. SI units throughout; pixels are named `_px` or `image`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+LensModel = Literal["plumb_bob", "rational_polynomial"]
+
+
+def wrap_angle(angle: float) -> float:
+    """Return `angle` [rad] wrapped to (-pi, pi]."""
+    return math.pi - (math.pi - angle) % (2.0 * math.pi)
+
+
+def read_only(array: object, dtype: type = np.float64) -> NDArray:
+    """Return a contiguous copy of `array` that cannot be written to."""
+    frozen = np.array(array, dtype=dtype, order="C")
+    frozen.setflags(write=False)
+    return frozen
+
+
+@dataclass(frozen=True, slots=True)
+class Pose2:
+    """A pose on the floor: x, y [m], theta [rad], of `base` in `world` unless a name says otherwise."""
+
+    x: float = 0.0
+    y: float = 0.0
+    theta: float = 0.0
+
+    def then(self, other: Pose2) -> Pose2:
+        """Compose: the pose `other`, given in this pose's frame, in this pose's parent frame."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return Pose2(
+            self.x + c * other.x - s * other.y,
+            self.y + s * other.x + c * other.y,
+            wrap_angle(self.theta + other.theta),
+        )
+
+    def inverse(self) -> Pose2:
+        """Return the pose of the parent frame in this pose's frame."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, wrap_angle(-self.theta))
+
+
+@dataclass(frozen=True, slots=True)
+class WheelCommand:
+    """Normalized wheel commands in [-1, 1], positive forward."""
+
+    left: float = 0.0
+    right: float = 0.0
+
+
+STOP = WheelCommand(0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class WheelCalibration:
+    """How the wheels answer commands; `wheel_ratio` is the paper's k: right command over left command.
+
+    `gain`, `trim`, `motor_constant` (k, rad/s at command 1) and `limit` are Duckietown's;
+    wheel_ratio = (gain + trim) / (gain - trim).
+    """
+
+    wheel_ratio: float = 1.0
+    gain: float = 1.0
+    axle_length: float = 0.100
+    wheel_radius: float = 0.0318
+    motor_constant: float = 27.0
+    limit: float = 1.0
+
+    @property
+    def trim(self) -> float:
+        """Duckietown's trim: gain (k - 1) / (k + 1)."""
+        return self.gain * (self.wheel_ratio - 1.0) / (self.wheel_ratio + 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class CameraModel:
+    """Intrinsics of one camera.
+
+    matrix : array, shape (3, 3), [px]; distortion : array, shape (5,) k1 k2 p1 p2 k3 for `plumb_bob`,
+    shape (8,) k1 k2 p1 p2 k3 k4 k5 k6 for `rational_polynomial`; width, height [px].
+    """
+
+    matrix: FloatArray
+    distortion: FloatArray
+    width: int = 640
+    height: int = 480
+    model: LensModel = "plumb_bob"
+
+    def __post_init__(self) -> None:
+        """Copy the arrays and make them read-only."""
+        object.__setattr__(self, "matrix", read_only(self.matrix).reshape(3, 3))
+        object.__setattr__(self, "distortion", read_only(self.distortion).ravel())
+
+
+@dataclass(frozen=True, slots=True)
+class CameraMount:
+    """Where the camera sits on the robot: forward of the axle, left and up [m]; pitch down, roll, yaw left [rad]."""
+
+    forward: float = 0.070
+    left: float = 0.0
+    height: float = 0.110
+    pitch: float = math.radians(22.0)
+    roll: float = 0.0
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One image as the robot delivers it: 8-bit, (height, width) or (height, width, 3) BGR; time [s]; its number."""
+
+    image: NDArray[np.uint8]
+    time: float
+    index: int
+
+
+@dataclass(frozen=True, slots=True)
+class BoardSpec:
+    """A chessboard: inner corners along a row and a column, side of a square [m]."""
+
+    columns: int = 7
+    rows: int = 5
+    square: float = 0.031
+
+    def points_board(self) -> FloatArray:
+        """Corners in the board's frame, shape (rows * columns, 3) [m], row by row, z = 0."""
+        grid = np.zeros((self.rows * self.columns, 3))
+        grid[:, :2] = np.mgrid[0 : self.columns, 0 : self.rows].T.reshape(-1, 2) * self.square
+        return grid
+
+
+@dataclass(frozen=True, eq=False)
+class BoardView:
+    """The corners of one board found in one image: shape (rows * columns, 2) [px], in `points_board` order."""
+
+    corners_image: FloatArray
+    board: int = 0
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        """Copy the corners and make them read-only."""
+        object.__setattr__(self, "corners_image", read_only(self.corners_image).reshape(-1, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class TagDetection:
+    """A tag36h11 in an image: its number and corners, shape (4, 2) [px], in the AprilTag library's order."""
+
+    tag_id: int
+    corners_image: FloatArray
+
+    def __post_init__(self) -> None:
+        """Copy the corners and make them read-only."""
+        object.__setattr__(self, "corners_image", read_only(self.corners_image).reshape(4, 2))
+
+
+@dataclass(frozen=True, slots=True)
+class TagObservation:
+    """A floor tag relative to the robot: centre (x, y) [m] and heading [rad] of the tag's x axis in `base`.
+
+    `distance` [m] from the camera; `heading_camera` [rad] is the paper's reading (yaw about the optical axis), kept
+    for comparison. A robot that stands along the tags sees heading 0.
+    """
+
+    tag_id: int
+    x: float
+    y: float
+    heading: float
+    distance: float
+    heading_camera: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class LanePose:
+    """The robot in its lane: d [m] left of the centre, phi [rad] heading left; how many edge points told so."""
+
+    d: float
+    phi: float
+    support: int = 0

@@ -1,0 +1,1 @@
+"""The rigid-body Duckiebot, the scene around it and the camera that draws it."""
