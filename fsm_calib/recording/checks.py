@@ -1,0 +1,94 @@
+"""The checks that a person would make on a recording: what is impossible is refused, what is odd is told.
+
+Rows whose time goes backwards are dropped; of two commands at one instant the later holds; everything else stays as it was recorded and is told as a `Finding`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+
+from fsm_calib.errors import InputError
+from fsm_calib.recording.channels import Channel
+from fsm_calib.recording.recording import Finding, Recording
+
+HELD = ("command", "twist", "state")  # channels whose rows hold until the next
+MOST_BACKWARDS = 0.02  # share of rows with time going backwards above which the column is no clock
+
+
+class Rows(Protocol):
+    """Where a row of a channel came from."""
+
+    def where(self, row: int) -> str:
+        """Return ``file:line`` (or a bag's topic) of a row."""
+        ...
+
+
+def checked(recording: Recording, sources: Mapping[str, Rows]) -> Recording:
+    """Return the recording with impossible rows dropped and all findings; raise InputError for what is no
+    data.
+    """
+    findings: list[Finding] = list(recording.checks)
+    changes: dict[str, Any] = {}
+    for name, channel in recording.channels.items():
+        channel, found = _increasing(name, channel, sources[name])
+        changes[name] = channel
+        findings += found
+    recording = dataclasses.replace(recording, **changes)
+    return dataclasses.replace(recording, checks=tuple(findings))
+
+
+def _increasing(name: str, channel: Channel, source: Rows) -> tuple[Channel, list[Finding]]:
+    """Keep the rows whose time increases."""
+    step = np.diff(channel.time)
+    if (step > 0).all():
+        return channel, []
+    back = np.flatnonzero(step < 0) + 1
+    if len(back) > MOST_BACKWARDS * len(channel):
+        raise InputError(
+            f"time goes backwards in {len(back)} of {len(channel)} rows of channel {name}",
+            where=source.where(int(back[0])),
+            cure="Is this the time column?",
+        )
+    findings = []
+    keep = np.ones(len(channel), dtype=bool)
+    if len(back):
+        latest = np.maximum.accumulate(channel.time)
+        keep = channel.time >= latest
+        findings.append(_dropped(name, "time_backwards", "time goes backwards", channel, ~keep))
+    channel = channel.rows(keep)
+    if (np.diff(channel.time) > 0).all():
+        return channel, findings
+    channel, finding = _later_of_two(name, channel) if name in HELD else _spread(name, channel)
+    return channel, [*findings, finding]
+
+
+def _later_of_two(name: str, channel: Channel) -> tuple[Channel, Finding]:
+    """Keep the last of the rows that share an instant: what is held is what came last."""
+    last = np.append(np.diff(channel.time) > 0, True)
+    return channel.rows(last), _dropped(name, "same_time", "a later row has the same time", channel, ~last)
+
+
+def _spread(name: str, channel: Channel) -> tuple[Channel, Finding]:
+    """Spread measured rows that share an instant evenly up to the next instant: each is a measurement."""
+    instants, first, count = np.unique(channel.time, return_index=True, return_counts=True)
+    step = np.diff(instants) if len(instants) > 1 else np.array([1.0])
+    step = np.append(step, np.median(step))
+    within = np.arange(len(channel)) - np.repeat(first, count)
+    time = np.repeat(instants, count) + np.repeat(step / count, count) * within
+    rows, at = int((count - 1).sum()), float(instants[int(np.argmax(count > 1))])
+    sentence = (
+        f"{rows} rows have the time of the row before them (first at {at:.3f} s); spread up to the next time"
+    )
+
+    return dataclasses.replace(channel, time=time), Finding(name, "same_time", sentence, "kept", rows, at)
+
+
+def _dropped(name: str, kind: str, why: str, channel: Channel, rows: np.ndarray) -> Finding:
+    count, first = int(rows.sum()), float(channel.time[int(np.argmax(rows))])
+    return Finding(
+        name, kind, f"{count} rows dropped: {why} (first at {first:.3f} s)", "dropped", count, first
+    )

@@ -1,0 +1,220 @@
+"""Read columns of a CSV file (plain or .gz) fast, and say file and line of whatever is wrong with it.
+
+The first line names the columns; the separator is a comma, a semicolon or a tab, whichever the first line
+has. Blank lines are skipped. Numbers must be finite: an empty cell, a word or NaN is an error.
+"""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import io
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fsm_calib.errors import InputError, UnknownNameError
+from fsm_calib.types import FloatArray
+
+LONGEST_LINE = 65_536  # bytes; a row of numbers has some hundred, so a longer one is no table
+LARGEST_TABLE = 1 << 30  # bytes of text after unpacking; 10 h at 1 kHz stays below it
+CHUNK = 1 << 20  # bytes read at a time
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Columns of one file: `numbers` by column name, shape (n,); `words` by column name; the line of each
+    row.
+    """
+
+    file: str
+    numbers: dict[str, FloatArray]
+    words: dict[str, tuple[str, ...]]
+    lines: tuple[int, ...]
+
+    def where(self, row: int) -> str:
+        """Return ``file:line`` of a row."""
+        return f"{self.file}:{self.lines[row]}"
+
+
+def read_table(path: Path, numeric: Sequence[str], text: Sequence[str] = ()) -> Table:
+    """Read the named columns.
+
+    Raises
+    ------
+    InputError
+        The file is missing, empty, truncated, not text, lacks a column, or holds something that is no finite
+        number; `where` is ``file:line``.
+    """
+    lines = read_lines(path)
+    numbered = [(i + 1, line) for i, line in enumerate(lines) if line.strip()]
+    if not numbered:
+        raise InputError("the file is empty; expected a header line and rows", where=f"{path}:1")
+    header_line, header = numbered[0]
+    separator = _separator(header)
+    names = _header_names(path, header_line, header, separator)
+    for name in (*numeric, *text):
+        if name not in names:
+            raise UnknownNameError("column", name, names, where=f"{path}:{header_line}")
+    rows = numbered[1:]
+    if not rows:
+        raise InputError("the file has a header but no rows", where=f"{path}:{header_line}")
+    wanted = [names.index(name) for name in numeric]
+    numbers = _numbers(path, rows, wanted, numeric, len(names), separator) if numeric else {}
+    words = {name: _words(path, rows, names.index(name), separator) for name in text}
+    return Table(str(path), numbers, words, tuple(line for line, _ in rows))
+
+
+def read_lines(path: Path) -> list[str]:
+    """Read a UTF-8 text file, unpacked if its name ends in .gz, as lines; refuse endless lines and binary
+    data.
+    """
+    data = _read_bytes(path)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            "not UTF-8 text", where=f"{path}:{line}", cure="Save the file as UTF-8 text."
+        ) from error
+    if "\0" in text:
+        line = text.count("\n", 0, text.index("\0")) + 1
+        raise InputError("the file holds binary data, not text", where=f"{path}:{line}")
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def _read_bytes(path: Path) -> bytes:
+    pieces: list[bytes] = []
+    size, since_newline, line = 0, 0, 1
+    try:
+        with gzip.open(path, "rb") if path.suffix == ".gz" else open(path, "rb") as stream:
+            while chunk := stream.read(CHUNK):
+                line, since_newline = _measure_lines(path, chunk, line, since_newline)
+                size += len(chunk)
+                if size > LARGEST_TABLE:
+                    raise InputError(
+                        f"the file holds more than {LARGEST_TABLE >> 20} MiB of text", where=f"{path}:{line}"
+                    )
+                pieces.append(chunk)
+    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+        raise InputError(
+            "the compressed file is damaged or cut short",
+            where=f"{path}:{line}",
+            cure="Copy it again from its source.",
+        ) from error
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot read the file: {_reason(error)}", where=f"{path}:1") from error
+    return b"".join(pieces)
+
+
+def _measure_lines(path: Path, chunk: bytes, line: int, since_newline: int) -> tuple[int, int]:
+    """Return the line number and the length of the unfinished line after `chunk`; raise if a line is too
+    long.
+    """
+    start = 0
+    for piece in chunk.split(b"\n")[:-1]:
+        if since_newline + len(piece) > LONGEST_LINE:
+            raise _too_long(path, line)
+        start += len(piece) + 1
+        since_newline, line = 0, line + 1
+    since_newline += len(chunk) - start
+    if since_newline > LONGEST_LINE:
+        raise _too_long(path, line)
+    return line, since_newline
+
+
+def _too_long(path: Path, line: int) -> InputError:
+    return InputError(
+        f"the line is longer than {LONGEST_LINE} bytes; a table was expected", where=f"{path}:{line}"
+    )
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or "the name or the content is not usable"
+
+
+def _separator(header: str) -> str:
+    return next((mark for mark in ",;\t" if mark in header), ",")
+
+
+def _split(path: Path, number: int, line: str, separator: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=separator), [])
+    except csv.Error as error:
+        raise InputError(f"the row cannot be split into cells: {error}", where=f"{path}:{number}") from error
+
+
+def _header_names(path: Path, number: int, header: str, separator: str) -> list[str]:
+    names = [name.strip() for name in _split(path, number, header, separator)]
+    doubled = sorted({name for name in names if names.count(name) > 1})
+    if doubled:
+        raise InputError(f"column {doubled[0]!r} occurs twice in the header", where=f"{path}:{number}")
+    return names
+
+
+def _numbers(
+    path: Path,
+    rows: list[tuple[int, str]],
+    wanted: list[int],
+    names: Sequence[str],
+    width: int,
+    separator: str,
+) -> dict[str, FloatArray]:
+    """Return the wanted columns; the fast reader first, the slow one to find the culprit if it fails."""
+    try:
+        table = np.loadtxt(
+            io.StringIO("\n".join(line for _, line in rows)),
+            delimiter=separator,
+            usecols=wanted,
+            comments=None,
+            quotechar='"',
+            ndmin=2,
+        )
+    except ValueError as error:
+        raise _culprit(path, rows, wanted, names, width, separator) from error
+    if len(table) != len(rows) or not np.isfinite(table).all():
+        raise _culprit(path, rows, wanted, names, width, separator)
+    return {name: table[:, i] for i, name in enumerate(names)}
+
+
+def _culprit(
+    path: Path,
+    rows: list[tuple[int, str]],
+    wanted: list[int],
+    names: Sequence[str],
+    width: int,
+    separator: str,
+) -> InputError:
+    """Find the first row that cannot be read and make the error that says so."""
+    for number, line in rows:
+        cells = _split(path, number, line, separator)
+        where = f"{path}:{number}"
+        if len(cells) < width:
+            return InputError(f"the row has {len(cells)} cells, the header {width}", where=where)
+        for index, name in zip(wanted, names, strict=True):
+            cell = cells[index].strip()
+            if not _is_finite_number(cell):
+                return InputError(
+                    f"column {name!r} holds {cell[:40]!r}; expected a finite number", where=where
+                )
+    return InputError("the rows cannot be read as numbers", where=f"{path}:{rows[0][0]}")
+
+
+def _is_finite_number(cell: str) -> bool:
+    try:
+        return bool(np.isfinite(float(cell))) and "_" not in cell
+    except ValueError:
+        return False
+
+
+def _words(path: Path, rows: list[tuple[int, str]], index: int, separator: str) -> tuple[str, ...]:
+    words = []
+    for number, line in rows:
+        cells = _split(path, number, line, separator)
+        if len(cells) <= index:
+            raise InputError(f"the row has only {len(cells)} cells", where=f"{path}:{number}")
+        words.append(cells[index].strip())
+    return tuple(words)

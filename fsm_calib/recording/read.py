@@ -1,0 +1,33 @@
+"""`read_recording`: whatever a path points at, as a `Recording`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fsm_calib.errors import InputError
+from fsm_calib.recording.manifest import read_manifest
+from fsm_calib.recording.recording import Recording
+
+MANIFEST_SUFFIXES = (".yaml", ".yml")
+MANIFEST_NAME = "recording.yaml"
+
+
+def read_recording(path: str | Path) -> Recording:
+    """Read a manifest, a folder that holds ``recording.yaml``, a ROS 1 ``.bag``, a ROS 2 bag folder or a
+    ``.mcap``.
+
+    Raises
+    ------
+    InputError
+        Nothing is there, or it is none of these, or it is damaged; the sentence says file and line.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise InputError("the recording does not exist", where=str(path))
+    if path.is_dir() and (path / MANIFEST_NAME).is_file():
+        path = path / MANIFEST_NAME
+    if path.is_file() and path.suffix in MANIFEST_SUFFIXES and path.name != "metadata.yaml":
+        return read_manifest(path)
+    raise InputError(
+        "not a recording: expected a manifest (.yaml), a .bag, a .mcap or a bag folder", where=str(path)
+    )
