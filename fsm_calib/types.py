@@ -25,7 +25,7 @@ def wrap_angle(angle: float) -> float:
 
 def read_only(array: object, dtype: type = np.float64) -> NDArray:
     """Return a contiguous copy of `array` that cannot be written to."""
-    frozen = np.array(array, dtype=dtype, order="C")
+    frozen: NDArray = np.array(array, dtype=dtype, order="C")
     frozen.setflags(write=False)
     return frozen
 
