@@ -1,0 +1,1 @@
+"""The proof on concealed data: robots from an independent generator, sealed labels, one command for the table."""
