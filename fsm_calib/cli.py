@@ -1,0 +1,113 @@
+"""The command line: `fsm-calib COMMAND`. Results on standard output, progress and errors on standard error.
+
+Exit codes: 0 done; 1 the robot or the data failed, with the reason and the cure; 2 wrong use or bad input. A
+`FsmCalibError` becomes its sentence, never a traceback. Rooms with heavy libraries are imported inside the
+commands that need them, so that `--help` answers at once.
+"""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from fsm_calib.errors import FsmCalibError
+
+COMMAND_MODULES: tuple[str, ...] = ("cli_run",)
+"""Modules of this package with `register(app)`; each adds its commands to the command line."""
+
+
+class Commands(TyperGroup):
+    """A command group that turns this project's errors into one clear message and their exit code."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the chosen command."""
+        try:
+            return super().invoke(ctx)
+        except FsmCalibError as error:
+            typer.echo(f"fsm-calib: {error}", err=True)
+            raise typer.Exit(error.exit_code) from error
+
+
+app = typer.Typer(
+    name="fsm-calib",
+    cls=Commands,
+    help="Robots that calibrate themselves, and simulations that know what they are missing.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+def _show_version(wanted: bool) -> None:
+    """Print the version and stop."""
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"fsm-calib {version('fsm-calib')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Robots that calibrate themselves, and simulations that know what they are missing."""
+
+
+@app.command()
+def validate(scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)]) -> None:
+    """Check a scenario: every error at once, each with file:line:column."""
+    from fsm_calib.scenario.load import load_scenario
+
+    loaded = load_scenario(scenario)
+    typer.echo(f"{scenario}: valid ({loaded.name}: {', '.join(loaded.plan)})")
+
+
+@app.command()
+def schema(
+    out: Annotated[Path | None, typer.Option(help="Write to this file instead of standard output.")] = None,
+) -> None:
+    """Print the JSON Schema of scenario files, for editors."""
+    from fsm_calib.scenario.schema import schema_text
+
+    if out is None:
+        typer.echo(schema_text(), nl=False)
+    else:
+        out.write_text(schema_text(), encoding="utf-8")
+
+
+@app.command()
+def diagrams(
+    check: Annotated[
+        bool, typer.Option("--check", help="Change nothing; fail when a diagram is stale.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="Where the diagrams are.")] = Path("diagrams"),
+) -> None:
+    """Draw the machines: Mermaid text, DOT text and a picture of each, from their tables."""
+    from fsm_calib.machines.diagram import stale_diagrams, write_diagrams
+
+    if not check:
+        write_diagrams(out)
+        typer.echo(f"diagrams written to {out}/")
+        return
+    stale = [str(path) for path in stale_diagrams(out)]
+    if stale:
+        typer.echo(f"stale: {', '.join(stale)}. Run: fsm-calib diagrams", err=True)
+        raise typer.Exit(1)
+    typer.echo(f"{out}/ is current")
+
+
+for _module in COMMAND_MODULES:
+    importlib.import_module(f"fsm_calib.{_module}").register(app)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()

@@ -1,0 +1,93 @@
+"""Makes sentences of what pydantic found wrong: place, found, expected, the nearest name."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from fsm_calib.errors import InputError, ManyErrors, UnknownNameError, nearest_names
+from fsm_calib.scenario.yaml_source import YamlDocument
+
+Location = Sequence[str | int]
+SHOWN_CHARACTERS = 60
+"""A wrong value is quoted up to this length."""
+
+
+def input_error(error: ValidationError, document: YamlDocument, model: type[BaseModel]) -> InputError:
+    """Return every error of a validation as one, in the order of the file."""
+    found = [_one(details, document, model) for details in error.errors(include_url=False)]
+    found.sort(key=_line_column)
+    return found[0] if len(found) == 1 else ManyErrors(found)
+
+
+def _line_column(error: InputError) -> tuple[int, ...]:
+    """Return the place of an error as numbers, for sorting."""
+    parts = getattr(error, "where", "").rsplit(":", 2)[1:]
+    return tuple(int(part) for part in parts if part.isdigit())
+
+
+def _one(details: Any, document: YamlDocument, model: type[BaseModel]) -> InputError:
+    """Return one error as a sentence with its place."""
+    path: Location = details["loc"]
+    name = dotted(path)
+    kind = details["type"]
+    if kind == "extra_forbidden":
+        where = document.where(path, key=True)
+        return UnknownNameError("setting", name, known_names(model, path[:-1]), where=where)
+    where = document.where(path)
+    if kind == "missing":
+        return InputError(f"the setting {name!r} is missing", where=where, cure="Add it.")
+    if kind in ("literal_error", "enum"):
+        expected = [part.strip(" '\"") for part in details["ctx"]["expected"].replace(" or ", ",").split(",")]
+        problem = f"{name} is {quoted(details['input'])}"
+        return InputError(problem, where=where, cure=nearest_names(str(details["input"]), expected))
+    problem = details["msg"].removeprefix("Value error, ").rstrip(".")
+    return InputError(
+        f"{name}: {problem[:1].lower()}{problem[1:]}, got {quoted(details['input'])}", where=where
+    )
+
+
+def quoted(value: Any) -> str:
+    """Return a value as text of bounded length."""
+    text = repr(value)
+    return text if len(text) <= SHOWN_CHARACTERS else text[: SHOWN_CHARACTERS - 3] + "..."
+
+
+def dotted(path: Location) -> str:
+    """Return a location as `robot.camera.fx` or `faults[1].side`."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}"
+    return text.lstrip(".") or "the file"
+
+
+def known_names(model: Any, path: Location) -> tuple[str, ...]:
+    """Return the names that may stand at `path` inside `model`."""
+    models = list(_models(model))
+    for part in path:
+        models = [inner for outer in models for inner in _step(outer, part)]
+    return tuple(dict.fromkeys(name for one in models for name in one.model_fields))
+
+
+def _step(model: type[BaseModel], part: str | int) -> Iterable[type[BaseModel]]:
+    """Return the models below `part` of `model`; an index or a union's tag stays where it is."""
+    if isinstance(part, str) and part in model.model_fields:
+        return _models(model.model_fields[part].annotation)
+    return (model,) if isinstance(part, int) or _has_tag(model, part) else ()
+
+
+def _has_tag(model: type[BaseModel], tag: str) -> bool:
+    """Tell whether a union names `model` by `tag` (its literal `kind`)."""
+    kind = model.model_fields.get("kind")
+    return kind is not None and tag in typing.get_args(kind.annotation)
+
+
+def _models(hint: Any) -> Iterator[type[BaseModel]]:
+    """Yield the models inside a type hint."""
+    if isinstance(hint, type) and issubclass(hint, BaseModel):
+        yield hint
+    for part in typing.get_args(hint):
+        yield from _models(part)

@@ -1,0 +1,39 @@
+"""Reads a scenario file: every error at once, each with its place and the nearest valid name."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from fsm_calib.errors import InputError
+from fsm_calib.scenario.explain import input_error
+from fsm_calib.scenario.models import Scenario
+from fsm_calib.scenario.yaml_source import YamlDocument, read_yaml
+
+
+def load_scenario(path: str | Path) -> Scenario:
+    """Return the scenario in a YAML file.
+
+    Raises
+    ------
+    InputError
+        With ``file:line:column`` for everything that is wrong; `ManyErrors` when there are several.
+    """
+    return scenario_from(read_yaml(path))
+
+
+def scenario_from(document: YamlDocument) -> Scenario:
+    """Return the scenario in a parsed YAML document; see `load_scenario` for the errors.
+
+    The values are checked with the strictness of JSON: a list may fill a tuple, but the text '1' is no
+    number and `true` is not 1.
+    """
+    if not isinstance(document.data, dict):
+        cure = "Start with 'name: ...', or look at scenarios/full_calibration.yaml."
+        raise InputError("a scenario is a mapping of settings", where=document.where(), cure=cure)
+    try:
+        return Scenario.model_validate_json(json.dumps(document.data), strict=True)
+    except ValidationError as error:
+        raise input_error(error, document, Scenario) from error
