@@ -1,0 +1,168 @@
+"""From image points to the floor, and floor tags relative to the robot.
+
+A pixel's undistorted ray (x, y, 1), turned into `base` by the mount, meets the floor z = 0 at
+p = o - o_z / d_z d with o the camera's position [m] and d the ray's direction in `base`.
+
+A tag's heading is read in the floor frame. The angle about the optical axis, which the paper's program reads, is
+only sin(pitch) of it for a tag on the floor; it is kept as `heading_camera` for comparison.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from fsm_calib.perception.lens import intrinsics_vector, unproject
+from fsm_calib.perception.rotations import base_from_camera, rotation_from_vector
+from fsm_calib.types import (
+    CameraModel,
+    CameraMount,
+    FloatArray,
+    TagDetection,
+    TagObservation,
+    wrap_angle,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class TagSettings:
+    """When a tag's pose is refused.
+
+    Parameters
+    ----------
+    largest_tilt : float
+        Between the tag and the floor [rad]: 10 deg; a flipped pose shows more.
+    smallest_ratio : float
+        Reprojection error of the second pose over the first [1]; below it the two cannot be told apart by the
+        image, and the tilt must decide alone (see `largest_clear_tilt`).
+    largest_clear_tilt : float
+        A pose with an ambiguous ratio is still taken when it lies this flat [rad] and its rival does not pass.
+    """
+
+    largest_tilt: float = math.radians(10.0)
+    smallest_ratio: float = 2.0
+    largest_clear_tilt: float = math.radians(5.0)
+
+
+DEFAULT_TAGS = TagSettings()
+
+
+@dataclass(frozen=True, eq=False)
+class TagPose:
+    """A tag in the camera frame: rotation (3, 3), centre (3,) [m], reprojection error [px at focal length 1]."""
+
+    rotation: FloatArray
+    centre: FloatArray
+    error: float
+
+
+def floor_points(image_points: FloatArray, camera: CameraModel, mount: CameraMount) -> FloatArray:
+    """Return where image points, shape (n, 2) [px], lie on the floor in `base`, shape (n, 2) [m].
+
+    Points on or above the horizon are nan.
+    """
+    rays = unproject(intrinsics_vector(camera), np.asarray(image_points, dtype=float).reshape(-1, 2))
+    rotation, position = base_from_camera(mount)
+    direction = np.column_stack([rays, np.ones(len(rays))]) @ rotation.T
+    below = direction[:, 2] < -1e-6
+    reach = np.where(below, -position[2] / np.where(below, direction[:, 2], -1.0), np.nan)
+    return position[:2] + reach[:, None] * direction[:, :2]
+
+
+def tag_corners(tag_size: float) -> FloatArray:
+    """Return the corners of a tag of side `tag_size` [m] in its own frame, shape (4, 3) [m], library order."""
+    half = tag_size / 2.0
+    return np.array([[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]])
+
+
+def tag_poses(detection: TagDetection, camera: CameraModel, tag_size: float) -> tuple[TagPose, ...]:
+    """Return the two poses that explain a tag's corners, the better first (infinitesimal plane-based solution).
+
+    Source: Collins and Bartoli, IJCV 2014 (OpenCV's IPPE_SQUARE, which wants top left, top right, bottom right,
+    bottom left).
+    """
+    rays = unproject(intrinsics_vector(camera), detection.corners_image)
+    order = [3, 2, 1, 0]
+    _, rotations, centres, errors = cv2.solvePnPGeneric(
+        np.ascontiguousarray(tag_corners(tag_size)[order]),
+        np.ascontiguousarray(rays[order]),
+        np.eye(3),
+        None,
+        flags=cv2.SOLVEPNP_IPPE_SQUARE,
+    )
+    scale = float(np.sqrt(camera.matrix[0, 0] * camera.matrix[1, 1]))
+    poses = [
+        TagPose(rotation_from_vector(np.ravel(turn)), np.ravel(centre), float(np.ravel(error)[0]) * scale)
+        for turn, centre, error in zip(rotations, centres, np.asarray(errors), strict=True)
+    ]
+    return tuple(sorted(poses, key=lambda pose: pose.error))
+
+
+def observe_tags(
+    detections: Sequence[TagDetection],
+    camera: CameraModel,
+    mount: CameraMount,
+    tag_size: float = 0.065,
+    settings: TagSettings = DEFAULT_TAGS,
+) -> tuple[TagObservation, ...]:
+    """Return the floor tags relative to the robot, the nearest first; tags whose pose is in doubt are left out.
+
+    Parameters
+    ----------
+    detections : sequence of TagDetection
+    camera, mount : the calibrated camera and where it sits
+    tag_size : float
+        Side of the black square [m]; Duckietown's floor tags are 0.065 m.
+    """
+    rotation, position = base_from_camera(mount)
+    observed = []
+    for detection in detections:
+        pose = _floor_pose(tag_poses(detection, camera, tag_size), rotation, settings)
+        if pose is not None:
+            observed.append(_observation(detection.tag_id, pose, rotation, position))
+    return tuple(sorted(observed, key=lambda tag: tag.distance))
+
+
+def _tilt(pose: TagPose, base_from_cam: FloatArray) -> float:
+    upward = float((base_from_cam @ pose.rotation[:, 2])[2])
+    return math.acos(min(max(upward, -1.0), 1.0))
+
+
+def _floor_pose(poses: Sequence[TagPose], base_from_cam: FloatArray, settings: TagSettings) -> TagPose | None:
+    """Return the pose that lies on the floor, or None when none does or two might."""
+    flat = [pose for pose in poses if _tilt(pose, base_from_cam) <= settings.largest_tilt]
+    if not flat:
+        return None
+    first = flat[0]
+    rivals = [pose for pose in poses if pose is not first]
+    clear = all(rival.error >= settings.smallest_ratio * first.error for rival in rivals)
+    alone = len(flat) == 1 and _tilt(first, base_from_cam) <= settings.largest_clear_tilt
+    return first if clear or alone else None
+
+
+def _observation(
+    tag_id: int, pose: TagPose, base_from_cam: FloatArray, position: FloatArray
+) -> TagObservation:
+    centre = base_from_cam @ pose.centre + position
+    along = base_from_cam @ pose.rotation[:, 0]
+    return TagObservation(
+        tag_id=tag_id,
+        x=float(centre[0]),
+        y=float(centre[1]),
+        heading=math.atan2(along[1], along[0]),
+        distance=float(np.linalg.norm(pose.centre)),
+        heading_camera=_camera_heading(pose.rotation),
+    )
+
+
+def _camera_heading(rotation: FloatArray) -> float:
+    """Return the paper's reading [rad]: yaw about the optical axis, zero for a tag whose x axis points away.
+
+    The image's up direction (-y of the camera) is where a tag straight ahead has its x axis; counter-clockwise on
+    the floor is counter-clockwise in the image.
+    """
+    return wrap_angle(math.atan2(-rotation[0, 0], -rotation[1, 0]))

@@ -1,0 +1,164 @@
+"""The lens: projection with derivatives, its inverse, and whether it folds inside the image.
+
+One vector of 12 intrinsics serves both models: fx, fy, cx, cy [px], k1, k2, p1, p2, k3, k4, k5, k6 [1] (the last three
+zero for plumb_bob). With x = X/Z, y = Y/Z, r2 = x^2 + y^2::
+
+    c  = (1 + k1 r2 + k2 r2^2 + k3 r2^3) / (1 + k4 r2 + k5 r2^2 + k6 r2^3)
+    u  = fx (c x + 2 p1 x y + p2 (r2 + 2 x^2)) + cx
+    v  = fy (c y + p1 (r2 + 2 y^2) + 2 p2 x y) + cy
+
+Source: OpenCV, "Camera Calibration and 3D Reconstruction" (same symbols); Brown, Close-range camera calibration, 1971.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsm_calib.types import CameraModel, FloatArray
+
+INTRINSICS = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
+#: which of the 12 intrinsics a model with so many distortion coefficients frees
+FREE_OF_COEFFICIENTS = {4: tuple(range(8)), 5: tuple(range(9)), 8: tuple(range(12))}
+_NEAREST_DEPTH = 1e-3  # m; a point nearer (or behind) is moved here so that a wild step stays finite
+_WIDEST_RADIUS = 20.0  # 1; tangent of 87 deg, the end of the search for a lens's radius
+_INVERSE_STEPS = 12  # Newton steps of `unproject`; it converges in 4 to 6
+_RADIUS_STEPS = 4000  # samples of the radial curve up to _WIDEST_RADIUS, 0.005 apart
+
+
+def intrinsics_vector(camera: CameraModel) -> FloatArray:
+    """Return the 12 intrinsics of `camera`, zeros where its model has none."""
+    vector = np.zeros(12)
+    vector[:4] = camera.matrix[0, 0], camera.matrix[1, 1], camera.matrix[0, 2], camera.matrix[1, 2]
+    vector[4 : 4 + camera.distortion.size] = camera.distortion
+    return vector
+
+
+def camera_model(vector: FloatArray, image_size: tuple[int, int]) -> CameraModel:
+    """Return the camera with 12 intrinsics `vector` and `image_size` (width, height) [px]."""
+    matrix = np.array([[vector[0], 0.0, vector[2]], [0.0, vector[1], vector[3]], [0.0, 0.0, 1.0]])
+    if np.any(vector[9:] != 0.0):
+        return CameraModel(matrix, vector[4:12], *image_size, "rational_polynomial")
+    return CameraModel(matrix, vector[4:9], *image_size, "plumb_bob")
+
+
+def radial_factor(vector: FloatArray, r2: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the factor c, dc/dr2 and the denominator at squared radii `r2` [1], each of the shape of `r2`."""
+    k1, k2, _, _, k3, k4, k5, k6 = vector[4:12]
+    above = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))
+    factor = above / below
+    slope = k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3) - factor * (k4 + r2 * (2.0 * k5 + 3.0 * r2 * k6))
+    return factor, slope / below, below
+
+
+def distort(vector: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return distorted x, y [1] and their derivative by (x, y), shapes (...), (...), (..., 2, 2)."""
+    p1, p2 = vector[6], vector[7]
+    factor, slope, _ = radial_factor(vector, x * x + y * y)
+    distorted_x = factor * x + 2.0 * p1 * x * y + p2 * (3.0 * x * x + y * y)
+    distorted_y = factor * y + p1 * (x * x + 3.0 * y * y) + 2.0 * p2 * x * y
+    cross = 2.0 * (slope * x * y + p1 * x + p2 * y)
+    derivative = np.empty((*np.shape(x), 2, 2))
+    derivative[..., 0, 0] = factor + 2.0 * slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x
+    derivative[..., 0, 1] = derivative[..., 1, 0] = cross
+    derivative[..., 1, 1] = factor + 2.0 * slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x
+    return distorted_x, distorted_y, derivative
+
+
+def _perspective(points_camera: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    depth = np.maximum(points_camera[..., 2], _NEAREST_DEPTH)
+    return points_camera[..., 0] / depth, points_camera[..., 1] / depth, depth
+
+
+def project(vector: FloatArray, points_camera: FloatArray) -> FloatArray:
+    """Return image points, shape (..., 2) [px], of `points_camera`, shape (..., 3) [m]."""
+    x, y, _ = _perspective(points_camera)
+    distorted_x, distorted_y, _ = distort(vector, x, y)
+    return np.stack([vector[0] * distorted_x + vector[2], vector[1] * distorted_y + vector[3]], axis=-1)
+
+
+def project_with_derivatives(
+    vector: FloatArray, points_camera: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return image points [px] and their derivatives by the point and by the intrinsics.
+
+    Shapes: points_camera (..., 3) [m] -> (..., 2) [px], (..., 2, 3) [px/m], (..., 2, 12) [px per unit].
+    """
+    x, y, depth = _perspective(points_camera)
+    distorted_x, distorted_y, by_ray = distort(vector, x, y)
+    focal = vector[:2]
+    image = np.stack([distorted_x, distorted_y], axis=-1) * focal + vector[2:4]
+    by_ray = by_ray * focal[:, None]
+    by_point = np.empty((*x.shape, 2, 3))
+    by_point[..., :2] = by_ray / depth[..., None, None]
+    by_point[..., 2] = -(by_ray[..., 0] * x[..., None] + by_ray[..., 1] * y[..., None]) / depth[..., None]
+    return image, by_point, _by_intrinsics(vector, x, y, distorted_x, distorted_y)
+
+
+def _by_intrinsics(
+    vector: FloatArray, x: FloatArray, y: FloatArray, distorted_x: FloatArray, distorted_y: FloatArray
+) -> FloatArray:
+    r2 = x * x + y * y
+    factor, _, below = radial_factor(vector, r2)
+    result = np.zeros((*x.shape, 2, 12))
+    result[..., 0, 0], result[..., 1, 1] = distorted_x, distorted_y
+    result[..., 0, 2] = result[..., 1, 3] = 1.0
+    above_terms = np.stack([r2, r2**2, r2**3], axis=-1) / below[..., None]
+    below_terms = -above_terms * factor[..., None]
+    for row, (focal, ray) in enumerate(((vector[0], x), (vector[1], y))):
+        result[..., row, [4, 5, 8]] = focal * ray[..., None] * above_terms
+        result[..., row, 9:12] = focal * ray[..., None] * below_terms
+    result[..., 0, 6], result[..., 1, 6] = vector[0] * 2.0 * x * y, vector[1] * (r2 + 2.0 * y * y)
+    result[..., 0, 7], result[..., 1, 7] = vector[0] * (r2 + 2.0 * x * x), vector[1] * 2.0 * x * y
+    return result
+
+
+def unproject(vector: FloatArray, image: FloatArray) -> FloatArray:
+    """Return the undistorted rays (x, y) = (X/Z, Y/Z), shape (..., 2) [1], of image points, shape (..., 2) [px].
+
+    A radial table gives the start, Newton's method the rest. Points beyond the fold of a folding lens get the ray
+    of the fold.
+    """
+    distorted = (np.asarray(image, dtype=float) - vector[2:4]) / vector[:2]
+    radius = np.linalg.norm(distorted, axis=-1)
+    ray = distorted * (_undistorted_radius(vector, radius) / np.maximum(radius, 1e-12))[..., None]
+    for _ in range(_INVERSE_STEPS):
+        x, y, derivative = distort(vector, ray[..., 0], ray[..., 1])
+        error = np.stack([x, y], axis=-1) - distorted
+        if float(np.max(np.abs(error), initial=0.0)) < 1e-10:
+            break
+        ray = ray - _solve_2x2(derivative, error)
+    return ray
+
+
+def _solve_2x2(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    a, b, c, d = matrix[..., 0, 0], matrix[..., 0, 1], matrix[..., 1, 0], matrix[..., 1, 1]
+    determinant = a * d - b * c
+    safe = np.where(np.abs(determinant) < 0.02, 0.02, determinant)
+    first = d * right[..., 0] - b * right[..., 1]
+    second = a * right[..., 1] - c * right[..., 0]
+    return np.stack([first, second], axis=-1) / safe[..., None]
+
+
+def _radial_curve(vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return radii and distorted radii [1] up to the first fold or pole."""
+    radius = np.linspace(0.0, _WIDEST_RADIUS, _RADIUS_STEPS)
+    factor, _, below = radial_factor(vector, radius * radius)
+    distorted = radius * factor
+    bad = (below <= 0.0) | (np.diff(distorted, prepend=-1.0) <= 0.0)
+    end = int(np.argmax(bad)) if bool(np.any(bad)) else radius.size
+    return radius[:end], distorted[:end]
+
+
+def _undistorted_radius(vector: FloatArray, distorted: FloatArray) -> FloatArray:
+    radius, curve = _radial_curve(vector)
+    return np.interp(distorted, curve, radius)
+
+
+def is_sane_over_image(vector: FloatArray, image_size: tuple[int, int]) -> bool:
+    """Tell whether the lens maps every pixel of the image to one ray: monotone radius, positive denominator."""
+    width, height = image_size
+    corners = np.array([[0, 0], [width - 1, 0], [0, height - 1], [width - 1, height - 1]], dtype=float)
+    farthest = float(np.max(np.linalg.norm((corners - vector[2:4]) / vector[:2], axis=1)))
+    _, curve = _radial_curve(vector)
+    return bool(curve[-1] >= farthest) and bool(np.all(np.abs(vector[6:8]) < 0.2))
