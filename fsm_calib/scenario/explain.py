@@ -36,7 +36,8 @@ def _one(details: Any, document: YamlDocument, model: type[BaseModel]) -> InputE
     kind = details["type"]
     if kind == "extra_forbidden":
         where = document.where(path, key=True)
-        return UnknownNameError("setting", name, known_names(model, path[:-1]), where=where)
+        what = f"{dotted(path[:-1])} setting" if path[:-1] else "setting"
+        return UnknownNameError(what, str(path[-1]), known_names(model, path[:-1]), where=where)
     where = document.where(path)
     if kind == "missing":
         return InputError(f"the setting {name!r} is missing", where=where, cure="Add it.")

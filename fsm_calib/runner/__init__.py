@@ -1,0 +1,1 @@
+"""Runs a scenario: the active state's activity, its outcome, the journal, the machine; files and report."""
