@@ -10,8 +10,8 @@ import pytest
 
 import fsm_calib
 from fsm_calib.errors import InputError, ManyErrors
+from fsm_calib.machines.supervisor import PHASES
 from fsm_calib.scenario.load import load_scenario, scenario_from
-from fsm_calib.scenario.models import PHASES
 from fsm_calib.scenario.schema import schema_text
 from fsm_calib.scenario.section import field_texts, mirror
 from fsm_calib.scenario.yaml_source import parse_yaml

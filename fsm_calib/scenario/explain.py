@@ -18,9 +18,18 @@ SHOWN_CHARACTERS = 60
 
 def input_error(error: ValidationError, document: YamlDocument, model: type[BaseModel]) -> InputError:
     """Return every error of a validation as one, in the order of the file."""
-    found = [_one(details, document, model) for details in error.errors(include_url=False)]
+    details = error.errors(include_url=False)
+    found = [_one(one, document, model) for one in details if not _follows(one, details)]
     found.sort(key=_line_column)
     return found[0] if len(found) == 1 else ManyErrors(found)
+
+
+def _follows(one: Any, others: Sequence[Any]) -> bool:
+    """Tell whether a "too short" only says that items inside were wrong, which is told by itself."""
+    path = one["loc"]
+    return one["type"] == "too_short" and any(
+        len(other["loc"]) > len(path) and other["loc"][: len(path)] == path for other in others
+    )
 
 
 def _line_column(error: InputError) -> tuple[int, ...]:
@@ -45,6 +54,9 @@ def _one(details: Any, document: YamlDocument, model: type[BaseModel]) -> InputE
         expected = [part.strip(" '\"") for part in details["ctx"]["expected"].replace(" or ", ",").split(",")]
         problem = f"{name} is {quoted(details['input'])}"
         return InputError(problem, where=where, cure=nearest_names(str(details["input"]), expected))
+    if kind == "unbuildable":
+        ctx = details["ctx"]
+        return InputError(ctx["problem"], where=document.where([*path, ctx["field"]]), cure=ctx["cure"])
     problem = details["msg"].removeprefix("Value error, ").rstrip(".")
     return InputError(
         f"{name}: {problem[:1].lower()}{problem[1:]}, got {quoted(details['input'])}", where=where

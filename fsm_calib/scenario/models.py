@@ -6,13 +6,23 @@ from typing import Literal
 
 from pydantic import Field, field_validator
 
-from fsm_calib.scenario.section import Section
-
-Phase = Literal["focus", "scan", "orientation", "wheels", "exit", "lane"]
-PHASES: tuple[Phase, ...] = ("focus", "scan", "orientation", "wheels", "exit", "lane")
-"""The phases in the order of the paper (chapters 6, 3.2, 3.3, 3.4, 5.1, 5.2)."""
+from fsm_calib.machines.limits import PUBLISHED, Limits
+from fsm_calib.machines.supervisor import PHASES
+from fsm_calib.scenario.section import Section, mirror, mirror_of
+from fsm_calib.types import BoardSpec
+from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, Wall
 
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
+"""Names become file names."""
+
+Phase = Literal[PHASES]  # type: ignore[valid-type]
+Published = Literal[tuple(PUBLISHED)]  # type: ignore[misc, valid-type]
+LimitsSection = mirror(Limits, skip=("boards", "start_board"))
+FieldSection = mirror_of(MarkerField)
+RoadSection = mirror(Road, skip=("start",))
+PlacedBoard = mirror_of(BoardPlacement)
+BoardSection = mirror_of(BoardSpec)
+WallSection = mirror_of(Wall)
 
 
 class RobotSection(Section):
@@ -37,6 +47,34 @@ class RobotSection(Section):
     )
 
 
+class BoardsSection(Section):
+    """The chessboards around the robot."""
+
+    layout: Literal["mixed", "upright"] = Field(
+        default="mixed",
+        description="`mixed`: leaned, turned and one flat on the floor; `upright`: as in the paper.",
+    )
+    count: int = Field(default=3, ge=1, le=6, description="How many.")
+    board: BoardSection = BoardSection()  # type: ignore[valid-type]
+    placed: tuple[PlacedBoard, ...] | None = Field(  # type: ignore[valid-type]
+        default=None, min_length=1, max_length=12, description="Boards one by one, in place of a layout."
+    )
+    start_board: int | None = Field(
+        default=None,
+        ge=0,
+        description="The board ahead of the robot at the start; by default found from the layout.",
+    )
+
+
+class SceneSection(Section):
+    """The calibration area: chessboards ahead, floor markers behind, the marked lane beyond them."""
+
+    boards: BoardsSection = BoardsSection()
+    field: FieldSection = FieldSection()  # type: ignore[valid-type]
+    road: RoadSection = RoadSection()  # type: ignore[valid-type]
+    walls: tuple[WallSection, ...] = ()  # type: ignore[valid-type]
+
+
 class OutputSection(Section):
     """What a run leaves behind."""
 
@@ -53,16 +91,19 @@ class Scenario(Section):
         default=0, ge=0, lt=2**63, description="Seed of everything random; the same seed gives the same run."
     )
     robot: RobotSection = RobotSection()
+    scene: SceneSection = SceneSection()
     plan: tuple[Phase, ...] = Field(
-        default=("scan", "orientation", "wheels", "exit", "lane"),
-        min_length=1,
-        description="Phases to run, in the paper's order.",
+        default=PHASES, min_length=1, description="Phases to run, in the paper's order."
+    )
+    limits: LimitsSection = LimitsSection()  # type: ignore[valid-type]
+    published: tuple[Published, ...] = Field(  # type: ignore[valid-type]
+        default=(), description="Behaviours of the published method that replace the corrected ones, by name."
     )
     output: OutputSection = OutputSection()
 
     @field_validator("plan")
     @classmethod
-    def _in_order(cls, plan: tuple[Phase, ...]) -> tuple[Phase, ...]:
+    def _in_order(cls, plan: tuple[str, ...]) -> tuple[str, ...]:
         """Refuse a plan that repeats a phase or leaves the paper's order."""
         if [phase for phase in PHASES if phase in plan] != list(plan):
             raise ValueError(f"phases come once each and in the order {', '.join(PHASES)}")

@@ -14,9 +14,12 @@ import re
 import types
 import typing
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
+from pydantic_core import PydanticCustomError
+
+from fsm_calib.errors import InputError
 
 
 class Section(BaseModel):
@@ -29,6 +32,16 @@ class Mirror(Section):
     """A section that mirrors a frozen dataclass of another room."""
 
     _target: typing.ClassVar[type]
+
+    @model_validator(mode="after")
+    def _buildable(self) -> Self:
+        """Let the dataclass check its own values."""
+        try:
+            self.build()
+        except InputError as error:
+            details = {"problem": error.problem, "cure": error.cure, "field": error.where}
+            raise PydanticCustomError("unbuildable", "{problem}", details) from error
+        return self
 
     def build(self, **extra: Any) -> Any:
         """Return the dataclass with these values; `extra` gives the fields that the mirror leaves out."""
@@ -44,7 +57,7 @@ def mirror(target: type, *, skip: Collection[str] = (), **constraints: Mapping[s
     target : type
         A dataclass; fields may be numbers, text, literals, enums, tuples of these and other dataclasses.
     skip : collection of str
-        Fields that a scenario cannot set.
+        Fields that a scenario cannot set; they must have defaults.
     **constraints
         By field name: further arguments of `pydantic.Field`, such as ``gt=0``.
     """
