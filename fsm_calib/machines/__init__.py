@@ -1,1 +1,7 @@
-"""The five calibration machines and their supervisor, declared as data."""
+"""The five calibration machines, the focus step and their supervisor, declared as data; nothing computes
+here.
+
+Open `focus`, `scan`, `orientation`, `wheels`, `exit` or `lane` to read one machine; `supervisor` puts them in
+the paper's order; `activities` is the contract of what a state does; `runtime.CalibrationMachine` runs it
+all.
+"""

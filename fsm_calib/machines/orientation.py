@@ -1,0 +1,15 @@
+"""Orientation (paper, section 3.3): turn to the floor markers until the robot stands along them."""
+
+from __future__ import annotations
+
+from fsm_calib.machines.spec import Chart
+from fsm_calib.machines.squaring import SQUARING_STATES, squaring_transitions
+
+_CHECKING, _SEEKING, *_TURNS = SQUARING_STATES
+
+ORIENTATION = Chart(
+    name="orientation",
+    about="Turn step by step to the first marker, then to the smallest marker angle.",
+    states=(_SEEKING, _CHECKING, *_TURNS),
+    transitions=squaring_transitions("", done="/between"),
+)
