@@ -87,7 +87,7 @@ class Normal:
         """Return the step of the shared (s,) and local (blocks, l) unknowns; `held` marks unknowns that stay."""
         free = ~held
         matrix = self.information[np.ix_(free, free)]
-        scale = np.diag(matrix) * damping + np.diag(matrix).max() * _RIDGE
+        scale = np.diag(matrix) * damping + np.diag(matrix).max(initial=0.0) * _RIDGE
         shared = np.zeros(held.size)
         shared[free] = -np.linalg.solve(matrix + np.diag(scale), self.gradient[free])
         right = self.local_gradient + np.einsum("bsl,s->bl", self.cross, shared)

@@ -2,7 +2,7 @@
 
 The classic detector of OpenCV finds the grid; a sub-pixel search in a window that fits between the corners refines
 it. The tutorial's window (11 px to each side) takes in the neighbour corners of small squares and moves corners by
-up to 8 px; here the half-window is 0.4 of the smallest spacing, 4 to 11 px, and a board whose corners moved by more
+up to 8 px; here the half-window is 0.35 of the smallest spacing, 4 to 9 px, and a board whose corners moved by more
 than 0.3 squares is refused.
 """
 
@@ -27,9 +27,10 @@ class DetectorSettings:
     Parameters
     ----------
     window_of_spacing : float
-        Half-window of the sub-pixel search, in smallest corner spacings [1]; below 0.5 no neighbour is inside.
+        Half-window of the sub-pixel search, in smallest corner spacings [1]; below 0.5 no neighbour is inside, and
+        0.35 stays clear of it when the detector's start is a pixel off.
     smallest_window_px, largest_window_px : int
-        Bounds of the half-window [px]: 4 keeps enough gradient, 11 is the tutorial's.
+        Bounds of the half-window [px]: 4 keeps enough gradient, beyond 9 the lens bends the edges inside it.
     largest_move_squares : float
         A corner that the search moved farther than this from the detector's start is lost [squares].
     widest_edge_px : float
@@ -43,9 +44,9 @@ class DetectorSettings:
         `find_boards` stops after so many.
     """
 
-    window_of_spacing: float = 0.4
+    window_of_spacing: float = 0.35
     smallest_window_px: int = 4
-    largest_window_px: int = 11
+    largest_window_px: int = 9
     largest_move_squares: float = 0.3
     widest_edge_px: float = 6.0
     edge_of_spacing: float = 0.6

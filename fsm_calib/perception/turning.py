@@ -17,13 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.perception.chessboard import as_gray
+from fsm_calib.perception.fleet_camera import FLEET_MEDIAN, FLEET_SIZE
 from fsm_calib.perception.lens import project
 from fsm_calib.perception.rotations import base_from_camera
 from fsm_calib.types import CameraMount
 
-#: fx, fy, cx, cy [px], k1, k2, p1, p2, k3: median of 48 Duckiebot cameras (duckietown/dt-core calibration files)
-FLEET_MEDIAN = np.array([316.6, 317.3, 320.4, 231.4, -0.269, 0.050, 0.0, 0.0, 0.0])
-SIZE = (640, 480)
 COLUMN = math.radians(0.25)
 HALF_WIDTH = math.radians(48.0)
 LOWEST, HIGHEST, ROWS = math.radians(-50.0), math.radians(14.0), 24
@@ -46,7 +44,7 @@ class Turn:
 def panorama(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Return the panorama of a grey or BGR image, shape (24, 385), uint8; column 0 is 48 deg to the left."""
     gray = as_gray(image)
-    maps = _maps(gray.shape[1] / SIZE[0], gray.shape[0] / SIZE[1])
+    maps = _maps(gray.shape[1] / FLEET_SIZE[0], gray.shape[0] / FLEET_SIZE[1])
     small = cv2.remap(cv2.blur(gray, (3, 3)), *maps, interpolation=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(small, dtype=np.uint8)
 
