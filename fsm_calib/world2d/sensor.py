@@ -1,0 +1,109 @@
+"""From light to a picture: defocus, vignetting, exposure noise and JPEG, as a small camera does them.
+
+    picture = JPEG( round( g(u, v) * blur(light) + sqrt(read^2 + shot * level) * n ) )
+
+with g the vignette (1 at the centre), blur a Gaussian of `defocus` [px], read [grey levels] and shot [grey levels]
+the two noise parts and n a standard normal field, the same in all three colours (what JPEG leaves of colour noise is
+small). Assumes that averaging in grey levels is averaging of light (no gamma), which keeps edges in their places.
+
+The normal field is cut from a bank drawn once with a fixed seed: two windows at places that the frame's generator
+draws are added, so that no two frames share a field and a frame costs microseconds of random numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from fsm_calib.types import CameraModel
+from fsm_calib.world2d.scene import check_range
+
+Image = NDArray[np.uint8]
+_BANK = 1024
+"""Side of the bank of noise [px]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SensorSettings:
+    """How the camera turns light into a file.
+
+    defocus : standard deviation of the blur [px] (0.5 to 0.7 in focus); exposure : time the shutter is open [s]
+    (Pi camera in "sports" mode, indoors: about 8 ms); read_noise [grey levels]; shot_noise : variance per grey level
+    [grey levels]; vignette : loss of light at the image corner [1]; brightness : scale of all light [1];
+    jpeg_quality : 1 to 100, 0 leaves JPEG out.
+    """
+
+    defocus: float = 0.6
+    exposure: float = 0.008
+    read_noise: float = 1.2
+    shot_noise: float = 0.02
+    vignette: float = 0.25
+    brightness: float = 1.0
+    jpeg_quality: int = 90
+
+    def __post_init__(self) -> None:
+        """Refuse what no camera does."""
+        check_range("defocus", self.defocus, 0.0, 20.0)
+        check_range("exposure", self.exposure, 0.0, 1.0)
+        check_range("read_noise", self.read_noise, 0.0, 60.0)
+        check_range("shot_noise", self.shot_noise, 0.0, 10.0)
+        check_range("vignette", self.vignette, 0.0, 0.95)
+        check_range("brightness", self.brightness, 0.05, 3.0)
+        check_range("jpeg_quality", self.jpeg_quality, 0, 100)
+
+
+@lru_cache(maxsize=1)
+def _noise_bank() -> NDArray[np.float32]:
+    bank = np.random.default_rng(20260101).standard_normal((2 * _BANK, 2 * _BANK), dtype=np.float32)
+    bank /= np.float32(math.sqrt(2.0))
+    bank.setflags(write=False)
+    return bank
+
+
+def noise_field(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
+    """Return a standard normal field of `shape` (height, width) at most 1024 x 1024: the sum of two windows of the bank."""
+    bank = _noise_bank()
+    tops, lefts = rng.integers(0, 2 * _BANK - shape[0], 2), rng.integers(0, 2 * _BANK - shape[1], 2)
+    first, second = (bank[t : t + shape[0], x : x + shape[1]] for t, x in zip(tops, lefts, strict=True))
+    return cv2.add(first, second[::-1])
+
+
+@lru_cache(maxsize=32)
+def _vignette(width: int, height: int, cx: float, cy: float, loss: float, brightness: float) -> NDArray[np.float32]:
+    """Return the gain of every pixel, shape (height, width, 3): brightness (1 - loss (r / corner)^2)."""
+    v, u = np.mgrid[:height, :width].astype(np.float32)
+    r2 = (u - cx) ** 2 + (v - cy) ** 2
+    gain = brightness * (1.0 - loss * r2 / (0.25 * (width**2 + height**2)))
+    gain = np.repeat(np.clip(gain, 0.0, None)[..., None], 3, axis=2).astype(np.float32)
+    gain.setflags(write=False)
+    return gain
+
+
+def expose(light: Image, camera: CameraModel, settings: SensorSettings, rng: np.random.Generator) -> Image:
+    """Return the picture, uint8 (height, width, 3) BGR, that a camera takes of `light`, its ideal image."""
+    image = light
+    if settings.defocus > 0.0:
+        side = 2 * math.ceil(3.0 * settings.defocus) + 1
+        image = cv2.GaussianBlur(image, (side, side), settings.defocus)
+    centre = float(camera.matrix[0, 2]), float(camera.matrix[1, 2])
+    gain = _vignette(camera.width, camera.height, *centre, settings.vignette, settings.brightness)
+    image = cv2.multiply(image, gain, dtype=cv2.CV_8U)
+    if settings.read_noise > 0.0 or settings.shot_noise > 0.0:
+        image = _with_noise(image, settings, rng)
+    if settings.jpeg_quality > 0:
+        _, coded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality])
+        image = cv2.imdecode(coded, cv2.IMREAD_COLOR)
+    return image
+
+
+def _with_noise(image: Image, settings: SensorSettings, rng: np.random.Generator) -> Image:
+    levels = np.arange(256, dtype=np.float32)
+    table = np.sqrt(settings.read_noise**2 + settings.shot_noise * levels).astype(np.float32)
+    spread = cv2.LUT(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), table)
+    noise = cv2.multiply(spread, noise_field(image.shape[:2], rng))
+    return cv2.add(image, cv2.merge([noise, noise, noise]), dtype=cv2.CV_8U)

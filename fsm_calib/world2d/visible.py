@@ -1,0 +1,152 @@
+"""Which surfaces a camera sees, where in the image, and in which order they must be drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.lens import RayTable, distort_rays
+from fsm_calib.world2d.surfaces import Surface
+
+NEAREST = 0.015
+"""Nearest depth that is drawn [m]; nothing comes nearer to a lens 0.1 m above the floor."""
+_COARSE = 8
+"""Spacing of the rays that look for surfaces reaching behind the camera [px]."""
+_SMALLEST = 1.5
+"""Surfaces smaller than this in the image are left out [px]; no detector sees them."""
+_LAYERS = {"room": 0, "floor": 1, "decal": 2, "standing": 3}
+
+Box = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A surface in sight: the image box (x0, y0, x1, y1), ends excluded [px], and the map from rays to its plane.
+
+    plane_from_ray : shape (3, 3), (x, y, 1) -> homogeneous plane point [m]; positive third component in front.
+    """
+
+    surface: Surface
+    box: Box
+    plane_from_ray: FloatArray
+
+
+class SurfaceIndex:
+    """The corners and frames of a scene's surfaces in arrays, so that one frame needs few numpy calls."""
+
+    def __init__(self, surfaces: tuple[Surface, ...]) -> None:
+        self.surfaces = surfaces
+        self.frames = np.array([surface.world_from_plane for surface in surfaces])
+        self.layers = np.array([_LAYERS[surface.layer] for surface in surfaces])
+        self.sides = np.array([surface.texture.size for surface in surfaces])
+        self.two_sided = np.array([surface.two_sided for surface in surfaces])
+        steps = np.linspace(0.0, 1.0, 5)
+        edge = [(t, 0.0) for t in steps] + [(1.0, t) for t in steps] + [(t, 1.0) for t in steps] + [(0.0, t) for t in steps]
+        plane = np.array([[*point, 1.0] for point in edge])
+        scale = np.concatenate([self.sides, np.ones((len(surfaces), 1))], axis=1)
+        self.outlines = np.einsum("sij,spj->spi", self.frames, plane[None] * scale[:, None])
+
+    def look(self, table: RayTable, rotation: FloatArray, position: FloatArray) -> list[Seen]:
+        """Return the surfaces in sight, in the order in which they must be drawn."""
+        frames_camera = np.einsum("ji,sjk->sik", rotation, self.frames)
+        frames_camera[:, :, 2] -= rotation.T @ position
+        plane_from_ray = _invert(frames_camera)
+        outlines = (self.outlines - position) @ rotation
+        facing = self.two_sided | (np.linalg.det(frames_camera) > 0.0)
+        in_front = (outlines[..., 2] > NEAREST).all(axis=1)
+        some = (outlines[..., 2] > NEAREST).any(axis=1)
+        boxes = _project_boxes(table, outlines)
+        seen = []
+        for index in np.flatnonzero(facing & some):
+            box = boxes[index] if in_front[index] else _search_box(table, plane_from_ray[index], self.sides[index])
+            box = _clip(box, table)
+            if box is not None:
+                seen.append(Seen(self.surfaces[index], box, plane_from_ray[index]))
+        return _in_drawing_order(seen, position)
+
+
+def _invert(frames: FloatArray) -> FloatArray:
+    """Invert the frames so that the homogeneous scale is positive for points in front of the camera.
+
+    A ray d hits the plane where depth * d = frame (a, b, 1); the inverse gives (a, b, 1) / depth for d, whose third
+    component is 1 / depth.
+    """
+    return np.linalg.inv(frames)
+
+
+def _project_boxes(table: RayTable, outlines: FloatArray) -> list[tuple[float, float, float, float]]:
+    """Return the image boxes [px] of outlines (n, points, 3) in the camera's frame; rays beyond the widest are clamped."""
+    depth = np.maximum(outlines[..., 2], NEAREST)
+    x, y = outlines[..., 0] / depth, outlines[..., 1] / depth
+    shrink = np.minimum(1.0, table.widest / np.maximum(np.hypot(x, y), 1e-12))
+    x, y = distort_rays(table.camera, x * shrink, y * shrink)
+    matrix = table.camera.matrix
+    u, v = matrix[0, 0] * x + matrix[0, 2], matrix[1, 1] * y + matrix[1, 2]
+    low = np.stack([u.min(axis=1), v.min(axis=1)], axis=1)
+    high = np.stack([u.max(axis=1), v.max(axis=1)], axis=1)
+    bend = 0.03 * np.max(high - low, axis=1, keepdims=True)  # edges are curved between the outline's points
+    return [tuple(row) for row in np.concatenate([low - bend, high + bend], axis=1)]
+
+
+def _search_box(table: RayTable, plane_from_ray: FloatArray, size: FloatArray) -> tuple[float, float, float, float] | None:
+    """Return the image box of a rectangle that reaches behind the camera, by asking a coarse grid of rays."""
+    rays = table.rays[1 : -1 : _COARSE, 1 : -1 : _COARSE]
+    a, b, w = np.moveaxis(rays @ plane_from_ray[:, :2].T.astype(np.float32) + plane_from_ray[:, 2], -1, 0)
+    slack = 0.02 * w  # m; a surface narrower than the grid must not slip through
+    hit = (w > 0) & (a >= -slack) & (b >= -slack) & (a <= size[0] * w + slack) & (b <= size[1] * w + slack)
+    rows, columns = np.flatnonzero(hit.any(axis=1)), np.flatnonzero(hit.any(axis=0))
+    if rows.size == 0:
+        return None
+    low_x, low_y = (columns[0] - 1) * _COARSE, (rows[0] - 1) * _COARSE
+    return low_x, low_y, (columns[-1] + 2) * _COARSE, (rows[-1] + 2) * _COARSE
+
+
+def _clip(box: tuple[float, float, float, float] | None, table: RayTable) -> Box | None:
+    """Round a box outwards and cut it at the image; None when nothing worth drawing is left."""
+    if box is None or min(box[2] - box[0], box[3] - box[1]) < _SMALLEST:
+        return None
+    x0, y0 = max(0, int(np.floor(box[0])) - 1), max(0, int(np.floor(box[1])) - 1)
+    x1 = min(table.camera.width, int(np.ceil(box[2])) + 2)
+    y1 = min(table.camera.height, int(np.ceil(box[3])) + 2)
+    return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
+
+
+def _in_drawing_order(seen: list[Seen], position: FloatArray) -> list[Seen]:
+    """Sort by layer, standing things from behind to front (no two of them may pierce each other)."""
+    flat = [item for item in seen if item.surface.layer != "standing"]
+    flat.sort(key=lambda item: _LAYERS[item.surface.layer])
+    left = [item for item in seen if item.surface.layer == "standing"]
+    ordered: list[Seen] = []
+    while left:
+        last = next((one for one in left if not any(_hides(one, other, position) for other in left)), left[0])
+        left.remove(last)
+        ordered.append(last)
+    return flat + ordered
+
+
+def _hides(one: Seen, other: Seen, position: FloatArray) -> bool:
+    """Tell whether `one` may cover `other` and not the other way round."""
+    if one is other or not _overlap(one.box, other.box):
+        return False
+    return _cannot_cover(other, one, position) and not _cannot_cover(one, other, position)
+
+
+def _cannot_cover(one: Seen, other: Seen, position: FloatArray) -> bool:
+    """Tell whether `other` lies on the camera's side of one's plane, or `one` beyond the other's plane."""
+    return _side(other, one, position) > 0 or _side(one, other, position) < 0
+
+
+def _side(one: Seen, other: Seen, position: FloatArray) -> int:
+    """Return 1 when all of `one` is on the camera's side of `other`'s plane, -1 when all is beyond, else 0."""
+    origin, normal = other.surface.world_from_plane[:, 2], other.surface.normal
+    camera = float(normal @ (position - origin))
+    distances = (one.surface.corners_world() - origin) @ normal * np.sign(camera)
+    if np.all(distances > -1e-9):
+        return 1
+    return -1 if np.all(distances < 1e-9) else 0
+
+
+def _overlap(a: Box, b: Box) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
