@@ -14,6 +14,8 @@ from typing import Any
 
 import cv2
 
+from fsm_calib.perception import tags
+
 WATCHED_CLASSES: tuple[tuple[ModuleType, str, tuple[str, ...]], ...] = (
     (cv2.aruco, "ArucoDetector", ("detectMarkers",)),
 )
@@ -24,6 +26,7 @@ WATCHED_CLASSES: tuple[tuple[ModuleType, str, tuple[str, ...]], ...] = (
 def watched(enter: Callable[[], None], leave: Callable[[], None]) -> Iterator[None]:
     """Call `enter` and `leave` around every call into OpenCV inside the `with` block."""
     kept: list[tuple[ModuleType, str, Any]] = []
+    tags._detector.cache_clear()
     for module in (cv2, cv2.aruco):
         for name, function in list(vars(module).items()):
             if isinstance(function, BuiltinFunctionType):
@@ -38,6 +41,7 @@ def watched(enter: Callable[[], None], leave: Callable[[], None]) -> Iterator[No
     finally:
         for module, name, original in reversed(kept):
             setattr(module, name, original)
+        tags._detector.cache_clear()
 
 
 def _timed(function: Callable, enter: Callable[[], None], leave: Callable[[], None]) -> Callable:

@@ -56,7 +56,9 @@ def _one(details: Any, document: YamlDocument, model: type[BaseModel]) -> InputE
         return InputError(problem, where=where, cure=nearest_names(str(details["input"]), expected))
     if kind == "unbuildable":
         ctx = details["ctx"]
-        return InputError(ctx["problem"], where=document.where([*path, ctx["field"]]), cure=ctx["cure"])
+        return InputError(
+            ctx["problem"], where=document.where([*path, *ctx["field"].split(".")]), cure=ctx["cure"]
+        )
     problem = details["msg"].removeprefix("Value error, ").rstrip(".")
     return InputError(
         f"{name}: {problem[:1].lower()}{problem[1:]}, got {quoted(details['input'])}", where=where

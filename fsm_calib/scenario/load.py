@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from fsm_calib.errors import InputError
 from fsm_calib.scenario.explain import input_error
 from fsm_calib.scenario.models import Scenario
+from fsm_calib.scenario.scene import boards_of
 from fsm_calib.scenario.yaml_source import YamlDocument, read_yaml
 
 
@@ -34,6 +35,17 @@ def scenario_from(document: YamlDocument) -> Scenario:
         cure = "Start with 'name: ...', or look at scenarios/full_calibration.yaml."
         raise InputError("a scenario is a mapping of settings", where=document.where(), cure=cure)
     try:
-        return Scenario.model_validate_json(json.dumps(document.data), strict=True)
+        scenario = Scenario.model_validate_json(json.dumps(document.data), strict=True)
     except ValidationError as error:
         raise input_error(error, document, Scenario) from error
+    _check_together(scenario, document)
+    return scenario
+
+
+def _check_together(scenario: Scenario, document: YamlDocument) -> None:
+    """Raise `InputError` where settings are right one by one and wrong together."""
+    start, boards = scenario.scene.boards.start_board, len(boards_of(scenario.scene.boards))
+    if start is not None and start >= boards:
+        cure = f"Boards are numbered from 0 to {boards - 1}, counter-clockwise."
+        where = document.where(("scene", "boards", "start_board"))
+        raise InputError(f"start_board is {start}, and there are {boards} boards", where=where, cure=cure)

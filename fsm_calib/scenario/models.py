@@ -6,23 +6,22 @@ from typing import Literal
 
 from pydantic import Field, field_validator
 
-from fsm_calib.machines.limits import PUBLISHED, Limits
 from fsm_calib.machines.supervisor import PHASES
-from fsm_calib.scenario.section import Section, mirror, mirror_of
-from fsm_calib.types import BoardSpec
-from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, Wall
+from fsm_calib.scenario.mirrors import (
+    ActionsSection,
+    BoardSection,
+    FieldSection,
+    LimitsSection,
+    Phase,
+    PlacedBoard,
+    Published,
+    RoadSection,
+    WallSection,
+)
+from fsm_calib.scenario.section import Section
 
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
 """Names become file names."""
-
-Phase = Literal[PHASES]  # type: ignore[valid-type]
-Published = Literal[tuple(PUBLISHED)]  # type: ignore[misc, valid-type]
-LimitsSection = mirror(Limits, skip=("boards", "start_board"))
-FieldSection = mirror_of(MarkerField)
-RoadSection = mirror(Road, skip=("start",))
-PlacedBoard = mirror_of(BoardPlacement)
-BoardSection = mirror_of(BoardSpec)
-WallSection = mirror_of(Wall)
 
 
 class RobotSection(Section):
@@ -55,8 +54,8 @@ class BoardsSection(Section):
         description="`mixed`: leaned, turned and one flat on the floor; `upright`: as in the paper.",
     )
     count: int = Field(default=3, ge=1, le=6, description="How many.")
-    board: BoardSection = BoardSection()  # type: ignore[valid-type]
-    placed: tuple[PlacedBoard, ...] | None = Field(  # type: ignore[valid-type]
+    board: BoardSection = BoardSection()
+    placed: tuple[PlacedBoard, ...] | None = Field(
         default=None, min_length=1, max_length=12, description="Boards one by one, in place of a layout."
     )
     start_board: int | None = Field(
@@ -70,9 +69,9 @@ class SceneSection(Section):
     """The calibration area: chessboards ahead, floor markers behind, the marked lane beyond them."""
 
     boards: BoardsSection = BoardsSection()
-    field: FieldSection = FieldSection()  # type: ignore[valid-type]
-    road: RoadSection = RoadSection()  # type: ignore[valid-type]
-    walls: tuple[WallSection, ...] = ()  # type: ignore[valid-type]
+    field: FieldSection = FieldSection()
+    road: RoadSection = RoadSection()
+    walls: tuple[WallSection, ...] = ()
 
 
 class OutputSection(Section):
@@ -95,8 +94,9 @@ class Scenario(Section):
     plan: tuple[Phase, ...] = Field(
         default=PHASES, min_length=1, description="Phases to run, in the paper's order."
     )
-    limits: LimitsSection = LimitsSection()  # type: ignore[valid-type]
-    published: tuple[Published, ...] = Field(  # type: ignore[valid-type]
+    limits: LimitsSection = LimitsSection()
+    actions: ActionsSection = ActionsSection()
+    published: tuple[Published, ...] = Field(
         default=(), description="Behaviours of the published method that replace the corrected ones, by name."
     )
     output: OutputSection = OutputSection()

@@ -1,0 +1,55 @@
+"""From a scenario to the frozen settings of the machines and the actions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from fsm_calib.actions.published import PUBLISHED as PUBLISHED_ACTIONS
+from fsm_calib.actions.published import with_published as actions_as_published
+from fsm_calib.actions.settings import ActionSettings
+from fsm_calib.machines.limits import PUBLISHED as PUBLISHED_LIMITS
+from fsm_calib.machines.limits import Limits
+from fsm_calib.machines.limits import with_published as limits_as_published
+from fsm_calib.scenario.models import Scenario
+from fsm_calib.world2d.scene import BoardPlacement, SceneSpec
+
+
+def limits_of(scenario: Scenario, scene: SceneSpec) -> Limits:
+    """Return the machines' limits: the boards are the scene's, published behaviours are switched on."""
+    given = scenario.scene.boards.start_board
+    start = board_ahead(scene.boards) if given is None else given
+    limits = scenario.limits.build(boards=max(len(scene.boards), 1), start_board=start)
+    return limits_as_published(limits, *(name for name in scenario.published if name in PUBLISHED_LIMITS))
+
+
+def board_ahead(boards: tuple[BoardPlacement, ...]) -> int:
+    """Return the number of the board nearest to straight ahead of a robot at the origin facing +x."""
+    azimuths = [abs(math.atan2(board.y, board.x)) for board in boards]
+    return azimuths.index(min(azimuths)) if azimuths else 0
+
+
+def actions_of(scenario: Scenario, scene: SceneSpec) -> ActionSettings:
+    """Return the actions' settings; what the area's drawing tells is taken from it unless given.
+
+    That is: the form of the boards, the size of the markers, the pitch and the reserved number of the
+    lane's markers and the way from the field to the lane. A real robot's operator knows these from the
+    drawing, too.
+    """
+    section = scenario.actions
+    settings: ActionSettings = section.build(board=_board(scenario, scene))
+    if scene.field is not None and "size" not in section.marker.model_fields_set:
+        settings = replace(settings, marker=replace(settings.marker, size=scene.field.size))
+    if scene.road is not None:
+        drawn = {"advance": scene.exit_advance, "marker_pitch": scene.road.marker_pitch}
+        given = section.lane.model_fields_set
+        lane = {name: value for name, value in drawn.items() if name not in given}
+        settings = replace(settings, lane=replace(settings.lane, **lane))
+        if "lane_first" not in section.marker.model_fields_set:
+            settings = replace(settings, marker=replace(settings.marker, lane_first=scene.road.first_id))
+    return actions_as_published(settings, *(name for name in scenario.published if name in PUBLISHED_ACTIONS))
+
+
+def _board(scenario: Scenario, scene: SceneSpec) -> object:
+    """Return the form of the boards."""
+    return scene.boards[0].board if scene.boards else scenario.scene.boards.board.build()
