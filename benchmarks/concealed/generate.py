@@ -57,6 +57,11 @@ def plan(count: int, seed: int) -> list[dict]:
     return rows[:count]
 
 
+def reached(found: float) -> str:
+    """The level that a ratio belongs to, which may differ from the one aimed at."""
+    return next((level for level, (low, _) in LEVELS.items() if found >= low), "below")
+
+
 def _parameters(names: list[str], size: float, seed: list[int], base):
     physics, effect = base, {}
     for i, name in enumerate(names):
@@ -74,18 +79,19 @@ def _choose_size(
     low, high = LEVELS[row["level"]]
     target = rng.uniform(low, high)
     noise = floor(base, sensor, drive, start, rng)
-    size, best = 0.3, (0.3, float("nan"), 1e9)
-    for _ in range(6):
+    size, best, below, above = 0.3, (0.3, float("nan"), 1e9), 0.001, 1.0
+    for _ in range(8):
         physics, effect = _parameters(row["names"], size, seed, base)
         found = ratio(physics, effect, base, drive, start, noise)
         miss = abs(np.log(max(found**2 - 1, 1e-6)) - np.log(target**2 - 1))
         if miss < best[2]:
             best = (size, found, miss)
-        if low <= found <= high:
+        if low <= found <= high or (found < low and size >= 1.0):
             break
-        size = float(
-            np.clip(size * np.clip(np.sqrt((target**2 - 1) / max(found**2 - 1, 1e-6)), 0.1, 8.0), 0.002, 1.0)
-        )
+        guess = size * np.sqrt((target**2 - 1) / max(found**2 - 1, 1e-6))
+        below, above = (max(below, size), above) if found < target else (below, min(above, size))
+        size = float(guess) if below < guess < above else float(np.sqrt(below * above))
+        size = 1.0 if above == 1.0 and below > 0.5 else size
     return best[0], best[1]
 
 
@@ -179,7 +185,7 @@ def make_robot(out: Path, index: int, row: dict, seed: int) -> dict:
     return {
         "name": name,
         "label": "+".join(row["names"]) or "none",
-        "level": row["level"],
+        "level": reached(found) if row["names"] else "none",
         "poor": bool(row.get("poor")),
         "size": size,
         "ratio": found,

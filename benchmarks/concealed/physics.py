@@ -267,7 +267,7 @@ def _simulate(p, times, left, right, x0, n_steps, dt, every, noise):
         # world-frame forces
         wx = -m * G * p.tilt_x
         wy = -m * G * p.tilt_y
-        if p.bowl_k > 0.0:
+        if p.bowl_k != 0.0:
             wx -= p.bowl_k * (x - p.bowl_x)
             wy -= p.bowl_k * (y - p.bowl_y)
         if p.tether_k > 0.0:

@@ -7,7 +7,7 @@ from collections import Counter
 from pathlib import Path
 from statistics import median
 
-LEVELS = ("plain", "masked", "faint")
+LEVELS = ("plain", "masked", "faint", "below")
 
 
 def first_names(verdict: dict) -> set[str]:
@@ -68,7 +68,7 @@ def report(out: Path, key: list[dict]) -> str:
             (
                 f"right name first, {level}",
                 share(right, len(group)),
-                ">= 97 %" if level != "faint" else ">= 80 %",
+                {"faint": ">= 80 %", "below": ""}.get(level, ">= 97 %"),
             )
         )
         rows.append((f"wrong name, {level}", share(wrong, len(group)), ""))
