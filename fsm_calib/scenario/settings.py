@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 from fsm_calib.actions.published import PUBLISHED as PUBLISHED_ACTIONS
 from fsm_calib.actions.published import with_published as actions_as_published
@@ -43,7 +44,7 @@ def actions_of(scenario: Scenario, scene: SceneSpec) -> ActionSettings:
     if scene.road is not None:
         drawn = {"advance": scene.exit_advance, "marker_pitch": scene.road.marker_pitch}
         given = section.lane.model_fields_set
-        lane = {name: value for name, value in drawn.items() if name not in given}
+        lane: dict[str, Any] = {name: value for name, value in drawn.items() if name not in given}
         settings = replace(settings, lane=replace(settings.lane, **lane))
         if "lane_first" not in section.marker.model_fields_set:
             settings = replace(settings, marker=replace(settings.marker, lane_first=scene.road.first_id))
