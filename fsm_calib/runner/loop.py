@@ -1,0 +1,131 @@
+"""The loop: run the active state's activity, journal its outcome, fire it, until the machine has ended.
+
+Activities run outside the machine's callbacks, so that an event is complete before the next begins: whatever
+kills the program, the journal holds whole events and the checkpoint says where to go on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from fsm_calib.actions.bench import Bench
+from fsm_calib.journal import Journal
+from fsm_calib.machines.runtime import CalibrationMachine, Fired
+from fsm_calib.outcome import Outcome
+from fsm_calib.runner.gallery import Gallery
+from fsm_calib.runner.logged import LoggedRobot
+from fsm_calib.runner.parts import Parts
+from fsm_calib.runner.progress import Observer
+
+Activity = Callable[[Bench], Outcome]
+
+
+@dataclass
+class Run:
+    """Everything that a run is made of, while it runs.
+
+    Parameters
+    ----------
+    machine : CalibrationMachine
+        Where the run stands.
+    bench : Bench
+        What the activities share.
+    robot : LoggedRobot
+        The robot, with the log of what it was asked to do.
+    journal : Journal
+        Where events go.
+    activities : mapping of str to callable
+        The activities by name.
+    pose : callable
+        Returns the pose [x, y, theta] that a resumed run must reach again; no activity sees it.
+    parts : Parts
+        Where wall time is charged.
+    observer : Observer
+        Who watches.
+    gallery : Gallery
+        Where frames for the report go.
+    sequence : int
+        Number of the next event.
+    """
+
+    machine: CalibrationMachine
+    bench: Bench
+    robot: LoggedRobot
+    journal: Journal
+    activities: Mapping[str, Activity]
+    pose: Callable[[], list[float]]
+    parts: Parts
+    observer: Observer
+    gallery: Gallery
+    sequence: int = 0
+
+
+def run_to_end(run: Run) -> None:
+    """Run until the machine has ended; the wheels are at zero afterwards, also when an exception passes."""
+    try:
+        while run.machine.activity is not None:
+            step(run)
+    finally:
+        run.robot.stop()
+
+
+def step(run: Run) -> None:
+    """Do one event: activity, outcome, transition, journal line, checkpoint."""
+    activity = run.machine.activity
+    if activity is None:
+        return
+    before = run.machine.state
+    run.bench.briefing = run.machine.briefing
+    with run.parts.part("activities"):
+        outcome = run.activities[activity](run.bench)
+    with run.parts.part("machines"):
+        fired = run.machine.fire(outcome)
+    with run.parts.part("journal"):
+        keep_frames(run, before, outcome)
+        record(run, activity, outcome, fired)
+    phase = run.machine.books.phase
+    run.observer.event(run.machine.state, phase, outcome, run.robot.now())
+
+
+def keep_frames(run: Run, path: str, outcome: Outcome) -> None:
+    """Move the frames that the activity kept from memory to the disk."""
+    for kept in run.bench.frames:
+        run.gallery.add(kept, path, outcome.sentence)
+    run.bench.frames.clear()
+
+
+def record(run: Run, activity: str, outcome: Outcome, fired: Fired) -> None:
+    """Write an event to the journal and replace the checkpoint; the end of a phase is made durable."""
+    run.journal.append(event_record(run, activity, outcome, fired))
+    run.sequence += 1
+    state = {
+        "sequence": run.sequence,
+        "state": run.machine.state,
+        "books": run.machine.books.to_dict(),
+        "bench": run.bench.to_state(),
+        "gallery": run.gallery.to_state(),
+    }
+    run.journal.checkpoint(state, durable=fired.dest.split("/")[0] != fired.source.split("/")[0])
+
+
+def event_record(run: Run, activity: str, outcome: Outcome, fired: Fired) -> dict[str, Any]:
+    """Return an event as the journal keeps it; times are the robot's, never the wall's."""
+    return {
+        "seq": run.sequence,
+        "tick": run.machine.books.ticks,
+        "time": run.robot.now(),
+        "phase": run.machine.books.phase,
+        "path": fired.source,
+        "activity": activity,
+        "trigger": fired.trigger,
+        "guards": dict(fired.guards),
+        "actions": list(fired.actions),
+        "dest": fired.dest,
+        "evidence": dict(outcome.evidence),
+        "sentence": outcome.sentence,
+        "cure": outcome.cure,
+        "operations": [list(operation) for operation in run.robot.drain()],
+        "pose": run.pose(),
+    }
