@@ -1,0 +1,247 @@
+"""The fit: Student-t reweighted Gauss-Newton on whitened innovations, never worse than where it started.
+
+Minimises -log L(parameters) for fixed noise. Jacobian columns are finite differences of the simulated increments,
+whitened by the same filter as the residual. Columns of parameters that a parent fit already differentiated may be
+reused (chord method): they change little when an effect is added, and the likelihood, not the Jacobian, decides
+whether a step is taken. Source: Nocedal & Wright, Numerical Optimization, 2nd ed. 2006, chapter 10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.likelihood import Whitener, fit_noise, log_density, robust_weights
+from fsm_calib.diagnosis.noise import Noise
+from fsm_calib.diagnosis.simulator import Simulator
+from fsm_calib.types import FloatArray
+
+ALL_RUNS = -1
+SMALL_GAIN = 0.05  # log-likelihood units: a smaller gain ends the iteration
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One number that a fit may move: a place in the parameter vector, for all recordings or for one.
+
+    low, high : bounds; step : finite difference; centre, spread : normal prior (spread 0 = none). Units of the
+    parameter.
+    """
+
+    place: int
+    low: float
+    high: float
+    step: float
+    run: int = ALL_RUNS
+    centre: float = 0.0
+    spread: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted model of R recordings.
+
+    values : (R, p) parameters; slots : what was free; noise; log_likelihood at `values`; log_prior; covariance :
+    (m, m) of the slots; simulated : increments (n, 5) of each recording; columns : raw Jacobian (n, 5, m) of each.
+    """
+
+    values: FloatArray
+    slots: tuple[Slot, ...]
+    noise: Noise
+    log_likelihood: float
+    log_prior: float
+    covariance: FloatArray
+    simulated: tuple[FloatArray, ...]
+    columns: tuple[FloatArray, ...]
+
+    @property
+    def score(self) -> float:
+        """Log-likelihood plus log-prior: what the fit maximises."""
+        return self.log_likelihood + self.log_prior
+
+    def slot_values(self) -> FloatArray:
+        """Return the current numbers in the slots, shape (m,)."""
+        return np.array([self.values[max(slot.run, 0), slot.place] for slot in self.slots])
+
+
+def with_slots(values: FloatArray, slots: Sequence[Slot], numbers: FloatArray) -> FloatArray:
+    """Return a copy of `values` (R, p) with `numbers` (m,) in the slots."""
+    changed = values.copy()
+    for slot, number in zip(slots, numbers, strict=True):
+        changed[slice(None) if slot.run == ALL_RUNS else slot.run, slot.place] = number
+    return changed
+
+
+def simulate_all(simulators: Sequence[Simulator], values: FloatArray) -> tuple[FloatArray, ...]:
+    """Return the simulated increments of every recording at its own parameters, `values` (R, p)."""
+    return tuple(s.increments(v[None])[0] for s, v in zip(simulators, values, strict=True))
+
+
+def jacobian(
+    simulators: Sequence[Simulator],
+    values: FloatArray,
+    slots: Sequence[Slot],
+    simulated: Sequence[FloatArray],
+) -> tuple[FloatArray, ...]:
+    """Return the finite-difference Jacobian of the increments, (n, 5, m) for each recording."""
+    columns = []
+    for run, (simulator, here) in enumerate(zip(simulators, simulated, strict=True)):
+        rows, where, steps = [], [], []
+        for j, slot in enumerate(slots):
+            if slot.run in (ALL_RUNS, run):
+                now = values[run, slot.place]
+                step = slot.step if now + slot.step <= slot.high else -slot.step
+                vector = values[run].copy()
+                vector[slot.place] = now + step
+                rows.append(vector)
+                where.append(j)
+                steps.append(step)
+        full = np.zeros((*here.shape, len(slots)))
+        if rows:
+            moved = simulator.increments(np.array(rows))
+            full[:, :, where] = np.moveaxis((moved - here) / np.array(steps)[:, None, None], 0, -1)
+        columns.append(full)
+    return tuple(columns)
+
+
+@dataclass(frozen=True, eq=False)
+class _Whitened:
+    residual: FloatArray
+    columns: FloatArray
+    log_likelihood: float
+
+
+def _prior(slots: Sequence[Slot], numbers: FloatArray) -> float:
+    spread = np.array([slot.spread for slot in slots])
+    off = numbers - np.array([slot.centre for slot in slots])
+    with_prior = spread > 0
+    return float(-0.5 * np.sum((off[with_prior] / spread[with_prior]) ** 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Engine:
+    """The recordings of one robot and how to fit them."""
+
+    simulators: tuple[Simulator, ...]
+
+    @property
+    def nu(self) -> float:
+        """Degrees of freedom of the innovations' t distribution."""
+        return self.simulators[0].prepared.settings.degrees_of_freedom
+
+    @property
+    def count(self) -> int:
+        """The number of scored innovations N."""
+        return int(sum(s.prepared.scored.sum() for s in self.simulators))
+
+    def whiteners(self, noise: Noise) -> list[Whitener]:
+        """Return one filter a recording."""
+        return [Whitener.at(s.prepared, noise) for s in self.simulators]
+
+    def log_likelihood(self, whiteners: Sequence[Whitener], simulated: Sequence[FloatArray]) -> float:
+        """Return the log-likelihood of simulated increments."""
+        pairs = zip(whiteners, simulated, strict=True)
+        return float(sum(log_density(w.residual(s), w.log_scale, self.nu).sum() for w, s in pairs))
+
+    def residual(self, whiteners: Sequence[Whitener], simulated: Sequence[FloatArray]) -> FloatArray:
+        """Return the whitened innovations of all recordings in a row, shape (N,)."""
+        return np.concatenate([w.residual(s) for w, s in zip(whiteners, simulated, strict=True)])
+
+    def white_columns(self, whiteners: Sequence[Whitener], columns: Sequence[FloatArray]) -> FloatArray:
+        """Return whitened Jacobian columns of all recordings, shape (N, m): derivatives of the residual, sign reversed."""
+        return -np.vstack([w.columns(c) for w, c in zip(whiteners, columns, strict=True)])
+
+    def fit(
+        self,
+        values: FloatArray,
+        slots: Sequence[Slot],
+        noise: Noise,
+        *,
+        known: Sequence[FloatArray] | None = None,
+        steps: int = 12,
+        refresh: bool = False,
+    ) -> Fit:
+        """Climb from `values` (R, p).
+
+        known : raw columns (n, 5, q) of the first q slots for each recording, not computed again; refresh : compute
+        all columns at the end, for the covariance.
+        """
+        slots = tuple(slots)
+        whiteners = self.whiteners(noise)
+        numbers = np.array([values[max(slot.run, 0), slot.place] for slot in slots])
+        simulated = simulate_all(self.simulators, values)
+        here = self.log_likelihood(whiteners, simulated) + _prior(slots, numbers)
+        first = known[0].shape[2] if known else 0
+        fixed = self.white_columns(whiteners, known) if known and first else None
+        normal = np.eye(len(slots))
+        raw: tuple[FloatArray, ...] = ()
+        damping = 1e-6
+        for _ in range(steps):
+            raw = jacobian(self.simulators, values, slots[first:], simulated)
+            white = self.white_columns(whiteners, raw)
+            white = white if fixed is None else np.hstack([fixed, white])
+            normal, gradient = self._normal(white, self.residual(whiteners, simulated), slots, numbers)
+            better = None
+            for _ in range(5):
+                tried = self._step(normal, gradient, damping, slots, numbers)
+                candidate = with_slots(values, slots, tried)
+                there_simulated = simulate_all(self.simulators, candidate)
+                there = self.log_likelihood(whiteners, there_simulated) + _prior(slots, tried)
+                if there > here:
+                    better = (candidate, tried, there_simulated, there)
+                    damping = max(damping * 0.1, 1e-6)
+                    break
+                damping = max(damping * 30.0, 1e-3)
+            if better is None:
+                break
+            gain = better[3] - here
+            values, numbers, simulated, here = better
+            if gain < SMALL_GAIN:
+                break
+        if refresh or not raw:
+            raw = jacobian(self.simulators, values, slots, simulated)
+            white = self.white_columns(whiteners, raw)
+            normal, _ = self._normal(white, self.residual(whiteners, simulated), slots, numbers)
+        elif first and known:
+            raw = tuple(np.concatenate([k, r], axis=2) for k, r in zip(known, raw, strict=True))
+        prior = _prior(slots, numbers)
+        covariance = np.linalg.pinv(normal, hermitian=True)
+        return Fit(values, slots, noise, here - prior, prior, covariance, simulated, raw)
+
+    def _normal(
+        self, white: FloatArray, residual: FloatArray, slots: Sequence[Slot], numbers: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the normal matrix and the gradient of the score, priors included."""
+        weights = robust_weights(residual, self.nu)
+        weighted = white * weights[:, None]
+        normal, gradient = weighted.T @ white, weighted.T @ residual
+        for j, slot in enumerate(slots):
+            if slot.spread > 0:
+                normal[j, j] += 1.0 / slot.spread**2
+                gradient[j] -= (numbers[j] - slot.centre) / slot.spread**2
+        return normal, gradient
+
+    def _step(
+        self, normal: FloatArray, gradient: FloatArray, damping: float, slots: Sequence[Slot], numbers: FloatArray
+    ) -> FloatArray:
+        """Return the numbers after one damped step inside the bounds; what a bound stops is taken out and solved again."""
+        low = np.array([slot.low for slot in slots])
+        high = np.array([slot.high for slot in slots])
+        free = ~(((numbers <= low) & (gradient < 0)) | ((numbers >= high) & (gradient > 0)))
+        scale = np.sqrt(np.maximum(np.diag(normal), 1e-12))
+        step = np.zeros(len(numbers))
+        index = np.flatnonzero(free)
+        if len(index):
+            scaled = normal[np.ix_(index, index)] / np.outer(scale[index], scale[index])
+            scaled += max(damping, 1e-9) * np.eye(len(index))
+            step[index] = np.linalg.solve(scaled, gradient[index] / scale[index]) / scale[index]
+        return np.clip(numbers + step, low, high)
+
+    def refit_noise(self, fit: Fit, names: Sequence[int], steps: int = 3) -> Fit:
+        """Return the same parameters with the likeliest noise."""
+        prepared = [s.prepared for s in self.simulators]
+        noise = fit_noise(prepared, fit.simulated, fit.noise, names, steps)
+        value = self.log_likelihood(self.whiteners(noise), fit.simulated)
+        return replace(fit, noise=noise, log_likelihood=value) if value > fit.log_likelihood else fit
