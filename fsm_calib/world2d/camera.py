@@ -20,17 +20,19 @@ from numpy.typing import NDArray
 from fsm_calib.errors import InputError
 from fsm_calib.types import CameraModel, CameraMount, FloatArray, Pose2
 from fsm_calib.world2d.lens import RayTable, camera_pose, ray_table
-from fsm_calib.world2d.sensor import SensorSettings, expose
-from fsm_calib.world2d.surfaces import Scene
-from fsm_calib.world2d.visible import Seen, SurfaceIndex
+from fsm_calib.world2d.sensor import Light, SensorSettings, expose
+from fsm_calib.world2d.surfaces import Scene, Surface
+from fsm_calib.world2d.visible import Box, Seen, SurfaceIndex
 
 Image = NDArray[np.uint8]
 
 _BAND_ROWS = 60
 """Rows of the image that share one texture level, for surfaces seen at a slant [px]."""
-_MAX_SAMPLES = {"room": 1, "floor": 1, "decal": 4, "standing": 4}
+_MAX_SAMPLES = {"room": 1, "floor": 2, "decal": 4, "standing": 4}
 """Largest n of the n x n samples per pixel, by layer: edges of prints matter, the grain of the floor does not."""
-_SAMPLE_BUDGET = 500_000
+_FINE = 0.5
+"""Side of the finest texture pixel used, in image pixels across the sharper direction; 1 would blur."""
+_SAMPLE_BUDGET = 300_000
 """Samples of one surface in one band beyond which n is lowered; keeps a frame's cost bounded."""
 _OUTSIDE = np.float32(-1e4)
 """Texture coordinate of rays that miss the plane [px]."""
@@ -40,6 +42,8 @@ _MAX_POSES = 9
 """Largest number of poses that are averaged."""
 _NEAR_FLOOR = 0.15
 """Distance of the nearest floor in sight [m]: what a translation blurs most."""
+_NEUTRAL = 128
+"""Value of both chroma planes for grey."""
 _REMEMBERED = 2
 """Ideal images kept for a robot that stands still."""
 
@@ -59,34 +63,36 @@ class Renderer:
         self.camera, self.mount = camera, mount
         self._table = _table_of(camera)
         self._index = SurfaceIndex(scene.surfaces)
-        self._kept: OrderedDict[Pose2, Image] = OrderedDict()
+        self._kept: OrderedDict[Pose2, Light] = OrderedDict()
 
-    def ideal(self, base: Pose2) -> Image:
-        """Return the image without blur, noise and coding, uint8 (height, width, 3) BGR, of a robot at `base`.
+    def ideal(self, base: Pose2) -> Light:
+        """Return what reaches the sensor, without blur, noise and coding, from a robot at `base`.
 
-        Must not be written to: a robot that stands still gets the same array again.
+        Must not be written to: a robot that stands still gets the same arrays again.
         """
         if base in self._kept:
             self._kept.move_to_end(base)
             return self._kept[base]
-        image = self._draw(base)
-        self._kept[base] = image
+        light = self._draw(base)
+        self._kept[base] = light
         if len(self._kept) > _REMEMBERED:
             self._kept.popitem(last=False)
-        return image
+        return light
 
-    def light(self, poses: Sequence[Pose2]) -> Image:
+    def light(self, poses: Sequence[Pose2]) -> Light:
         """Return the ideal image averaged over `poses`, evenly spaced in the exposure; at least one."""
         if not poses:
             raise InputError("no pose to render", where="camera", cure="Give at least one pose of the exposure.")
-        count = min(_MAX_POSES, max(1, math.ceil(self._image_motion(poses[0], poses[-1]) / 1.0)))
-        if self._image_motion(poses[0], poses[-1]) < _STILL or len(poses) == 1:
+        motion = self._image_motion(poses[0], poses[-1])
+        if motion < _STILL or len(poses) == 1:
             return self.ideal(poses[len(poses) // 2])
-        picks = np.unique(np.linspace(0, len(poses) - 1, max(2, count)).round().astype(int))
-        total = np.zeros((self.camera.height, self.camera.width, 3), dtype=np.float32)
+        count = int(np.clip(math.ceil(motion), 2, _MAX_POSES))
+        picks = np.unique(np.linspace(0, len(poses) - 1, count).round().astype(int))
+        total = np.zeros((self.camera.height, self.camera.width), dtype=np.float32)
         for pick in picks:
-            cv2.accumulate(self._draw(poses[int(pick)]), total)
-        return cv2.convertScaleAbs(total, alpha=1.0 / len(picks))
+            light = self._draw(poses[int(pick)])
+            cv2.accumulate(light.luma, total)
+        return Light(cv2.convertScaleAbs(total, alpha=1.0 / len(picks)), light.chroma)
 
     def _image_motion(self, first: Pose2, last: Pose2) -> float:
         """Return about how far the image moves between two poses [px]."""
@@ -94,15 +100,18 @@ class Renderer:
         travel = math.hypot(last.x - first.x, last.y - first.y)
         return float(self.camera.matrix[0, 0]) * (turn + travel / _NEAR_FLOOR)
 
-    def _draw(self, base: Pose2) -> Image:
+    def _draw(self, base: Pose2) -> Light:
         rotation, position = camera_pose(base, self.mount)
-        image = np.zeros((self.camera.height, self.camera.width, 3), dtype=np.uint8)
-        for seen in self._index.look(self._table, rotation, position):
+        table = self._table
+        luma = np.zeros((self.camera.height, self.camera.width), dtype=np.uint8)
+        chroma = np.full((*table.coarse.shape[:2], 2), _NEUTRAL, dtype=np.uint8)
+        for seen in self._index.look(table, rotation, position):
             for box in _bands(seen):
-                _draw_surface(image, seen, box, self._table)
-        if self._table.has_blind:
-            image[self._table.blind] = 0
-        return image
+                _draw_luma(luma, seen, box, table)
+            _draw_chroma(chroma, seen, table)
+        if table.has_blind:
+            luma[table.blind] = 0
+        return Light(luma, chroma)
 
 
 @lru_cache(maxsize=8)
@@ -110,7 +119,7 @@ def _table_of(camera: CameraModel) -> RayTable:
     return ray_table(camera)
 
 
-def _bands(seen: Seen) -> list[tuple[int, int, int, int]]:
+def _bands(seen: Seen) -> list[Box]:
     """Cut the box of a surface into bands of rows, so that each has its own texture level."""
     x0, y0, x1, y1 = seen.box
     if y1 - y0 < 1.5 * _BAND_ROWS:
@@ -119,73 +128,85 @@ def _bands(seen: Seen) -> list[tuple[int, int, int, int]]:
     return [(x0, int(top), x1, int(bottom)) for top, bottom in zip(cuts[:-1], cuts[1:], strict=True)]
 
 
-def _draw_surface(image: Image, seen: Seen, box: tuple[int, int, int, int], table: RayTable) -> None:
-    """Draw what of a surface lies in `box` into `image`, in place."""
+def _draw_luma(image: Image, seen: Seen, box: Box, table: RayTable) -> None:
+    """Draw the grey values of what of a surface lies in `box` into `image`, in place."""
     x0, y0, x1, y1 = box
-    rays = table.rays[y0 : y1 + 2, x0 : x1 + 2]
-    texture = seen.surface.texture
-    to_texels = np.diag([texture.scale, texture.scale, 1.0]) @ seen.plane_from_ray
-    texels = _project(rays, to_texels)
-    level, samples = _sampling(texels, texture, seen.surface.layer, (x1 - x0) * (y1 - y0))
-    picture = texture.levels[level]
-    scale = 1.0 / 2**level
-    # texel t of level 0 covers [t, t + 1): the centre of texel 0 is at 0.5, at every level
-    where = cv2.addWeighted(texels, scale, texels, 0.0, -0.5)
+    level, samples = _sampling(table.rays, box, _to_texels(seen, 0), seen.surface)
+    to_texels, picture = _to_texels(seen, level), seen.surface.texture.luma[level]
     target = image[y0:y1, x0:x1]
     if samples == 1:
-        where = np.ascontiguousarray(where[1:-1, 1:-1])
-        target[:] = _lookup(picture, where, np.ascontiguousarray(target))
+        _lookup(picture, _project(table.rays[y0 + 1 : y1 + 1, x0 + 1 : x1 + 1], to_texels), target)
         return
-    height, width = where.shape[:2]
-    fine = cv2.resize(where, (width * samples, height * samples), interpolation=cv2.INTER_LINEAR)
-    fine = np.ascontiguousarray(fine[samples:-samples, samples:-samples])
-    back = cv2.resize(target, ((x1 - x0) * samples, (y1 - y0) * samples), interpolation=cv2.INTER_NEAREST)
-    drawn = _lookup(picture, fine, back)
-    target[:] = cv2.resize(drawn, (x1 - x0, y1 - y0), interpolation=cv2.INTER_AREA)
+    where = _project(table.rays[y0 : y1 + 2, x0 : x1 + 2], to_texels)
+    size = ((x1 - x0) * samples, (y1 - y0) * samples)
+    fine = cv2.resize(where, (size[0] + 2 * samples, size[1] + 2 * samples), interpolation=cv2.INTER_LINEAR)
+    drawn = cv2.resize(target, size, interpolation=cv2.INTER_NEAREST)
+    _lookup(picture, fine[samples:-samples, samples:-samples], drawn)
+    cv2.resize(drawn, (x1 - x0, y1 - y0), dst=target, interpolation=cv2.INTER_AREA)
 
 
-def _lookup(picture: Image, where: NDArray[np.float32], back: Image) -> Image:
-    """Sample `picture` at `where` over `back`; places outside of the picture keep the background."""
-    return cv2.remap(picture, where, None, cv2.INTER_LINEAR, dst=back, borderMode=cv2.BORDER_TRANSPARENT)
+def _draw_chroma(image: Image, seen: Seen, table: RayTable) -> None:
+    """Draw a surface's colours into `image` of half the resolution, in place; a grey one hides colours behind it."""
+    x0, y0, x1, y1 = seen.box[0] // 2, seen.box[1] // 2, (seen.box[2] + 1) // 2, (seen.box[3] + 1) // 2
+    texture = seen.surface.texture
+    if texture.chroma is None and seen.surface.layer != "standing":
+        return  # the floor hides nothing that is coloured, and prints lie on grey ground
+    colours = texture.chroma or (_grey(texture.luma[0].shape),)
+    fine, _ = _sampling(table.rays, seen.box, _to_texels(seen, 0), seen.surface)
+    level = min(fine + 1, len(colours) - 1) if texture.chroma else 0
+    where = _project(table.coarse[y0:y1, x0:x1], _to_texels(seen, level))
+    _lookup(colours[level], where, image[y0:y1, x0:x1])
+
+
+@lru_cache(maxsize=16)
+def _grey(shape: tuple[int, int]) -> Image:
+    return np.full((*shape, 2), _NEUTRAL, dtype=np.uint8)
+
+
+def _to_texels(seen: Seen, level: int) -> FloatArray:
+    """Return the map from rays to texture pixels of a level; texel t covers [t, t + 1), so centres are half a texel off."""
+    scale = seen.surface.texture.scale * 0.5**level
+    matrix = seen.plane_from_ray * np.array([[scale], [scale], [1.0]])
+    matrix[:2] -= 0.5 * matrix[2]
+    return matrix
+
+
+def _lookup(picture: Image, where: NDArray[np.float32], target: Image) -> None:
+    """Write samples of `picture` at `where` into `target`; places outside of the picture keep what is there."""
+    cv2.remap(picture, where, None, cv2.INTER_LINEAR, dst=target, borderMode=cv2.BORDER_TRANSPARENT)
 
 
 def _project(rays: NDArray[np.float32], matrix: FloatArray) -> NDArray[np.float32]:
     """Return the texture coordinates of rays, shape (h, w, 2) [texture px]; far outside where the ray misses the plane."""
-    texels = cv2.perspectiveTransform(np.ascontiguousarray(rays), matrix)
-    corners = rays[[0, 0, -1, -1], [0, -1, 0, -1]].astype(float)
-    if np.min(corners @ matrix[2, :2]) + matrix[2, 2] > 0.05 * abs(matrix[2]).max():
-        return texels
-    third = rays @ matrix[2, :2].astype(np.float32) + np.float32(matrix[2, 2])
-    texels[third <= 1e-6] = _OUTSIDE
+    texels = cv2.perspectiveTransform(rays, matrix)
+    corners = rays[[0, 0, -1, -1], [0, -1, 0, -1]].astype(float) @ matrix[2, :2] + matrix[2, 2]
+    if corners.min() < 0.05 * np.abs(matrix[2]).max():
+        third = rays[..., 0] * np.float32(matrix[2, 0])
+        third += rays[..., 1] * np.float32(matrix[2, 1])
+        texels[third <= np.float32(1e-6 - matrix[2, 2])] = _OUTSIDE
     return texels
 
 
-def _sampling(texels: NDArray[np.float32], texture, layer: str, pixels: int) -> tuple[int, int]:
-    """Choose the texture level and the samples per pixel and direction from the texture pixels per image pixel."""
-    probe = texels[:: max(1, texels.shape[0] // 8), :: max(1, texels.shape[1] // 16)]
-    inside = _inside(probe, texture)
-    rows, columns = np.nonzero(inside)
-    if rows.size == 0:
-        rows, columns = np.array([probe.shape[0] // 2]), np.array([probe.shape[1] // 2])
-    step_y, step_x = max(1, texels.shape[0] // 8), max(1, texels.shape[1] // 16)
-    row = np.minimum(rows * step_y, texels.shape[0] - 2)
-    column = np.minimum(columns * step_x, texels.shape[1] - 2)
-    here = texels[row, column]
-    across = float(np.median(np.linalg.norm(texels[row, column + 1] - here, axis=1)))
-    down = float(np.median(np.linalg.norm(texels[row + 1, column] - here, axis=1)))
+def _sampling(
+    rays: NDArray[np.float32], box: Box, to_texels: FloatArray, surface: Surface
+) -> tuple[int, int]:
+    """Choose the texture level and the samples per pixel and direction, from the texels per pixel at the box's centre."""
+    x0, y0, x1, y1 = box
+    row, column = (y0 + y1) // 2 + 1, (x0 + x1) // 2 + 1
+    x, y = rays[[row, row, row + 1], [column, column + 1, column]].astype(float).T
+    homogeneous = to_texels @ np.array([x, y, np.ones(3)])
+    here, right, below = (homogeneous[:2] / np.maximum(np.abs(homogeneous[2]), 1e-6)).T
+    across, down = math.dist(here, right), math.dist(here, below)
     sharp, slanted = min(across, down), max(across, down)
-    most = _MAX_SAMPLES[layer]
-    blur = 0.5 if most > 1 else 1.0
-    level = int(np.clip(math.floor(math.log2(max(blur * (sharp if most > 1 else slanted), 1.0))), 0, len(texture.levels) - 1))
-    samples = int(np.clip(math.ceil(slanted / 2**level), min(2, most), most))
+    most = _MAX_SAMPLES[surface.layer]
+    finest = max(1.0, _FINE * sharp, slanted / most)
+    level = min(int(math.log2(finest)), len(surface.texture.luma) - 1)
+    least = 2 if most > 2 else 1  # edges of prints always need more than one sample
+    samples = min(max(math.ceil(slanted / 2**level), least), most)
+    pixels = (x1 - x0) * (y1 - y0)
     while samples > 1 and samples * samples * pixels > _SAMPLE_BUDGET:
         samples -= 1
     return level, samples
-
-
-def _inside(texels: NDArray[np.float32], texture) -> NDArray[np.bool_]:
-    height, width = texture.levels[0].shape[:2]
-    return (texels[..., 0] >= 0) & (texels[..., 1] >= 0) & (texels[..., 0] < width) & (texels[..., 1] < height)
 
 
 def render(

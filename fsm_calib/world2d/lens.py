@@ -15,7 +15,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from fsm_calib.errors import InputError
 from fsm_calib.types import CameraModel, CameraMount, FloatArray, Pose2, read_only
@@ -34,12 +36,13 @@ class RayTable:
     """The rays of a camera's pixels.
 
     rays : float32, shape (height + 2, width + 2, 2), (x, y) of each pixel centre with one row or column more on each
-    side, clipped to 86 deg; blind : bool, shape (height, width), pixels without a ray; widest : largest |ray| [1].
+    side, clipped to 86 deg; coarse : float32, (ceil(height / 2), ceil(width / 2), 2), the mean ray of 2 x 2 pixels; blind : bool, shape (height, width), pixels without a ray; widest : largest |ray| [1].
     """
 
     camera: CameraModel
-    rays: FloatArray
-    blind: FloatArray
+    rays: NDArray[np.float32]
+    coarse: NDArray[np.float32]
+    blind: NDArray[np.bool_]
     widest: float
 
     @property
@@ -128,7 +131,9 @@ def ray_table(camera: CameraModel) -> RayTable:
     start *= np.minimum(1.0, radius[-1] / np.maximum(norm, 1e-12))
     rays = np.ascontiguousarray(start.T.reshape(*v.shape, 2), dtype=np.float32)
     rays.setflags(write=False)
-    return RayTable(camera, rays, read_only(blind, bool), float(np.hypot(rays[..., 0], rays[..., 1]).max()))
+    half = ((camera.width + 1) // 2, (camera.height + 1) // 2)
+    coarse = cv2.resize(rays[1:-1, 1:-1], half, interpolation=cv2.INTER_AREA)
+    return RayTable(camera, rays, coarse, read_only(blind, bool), float(np.hypot(rays[..., 0], rays[..., 1]).max()))
 
 
 def camera_pose(base: Pose2, mount: CameraMount) -> tuple[FloatArray, FloatArray]:

@@ -3,8 +3,8 @@
     picture = JPEG( round( g(u, v) * blur(light) + sqrt(read^2 + shot * level) * n ) )
 
 with g the vignette (1 at the centre), blur a Gaussian of `defocus` [px], read [grey levels] and shot [grey levels]
-the two noise parts and n a standard normal field, the same in all three colours (what JPEG leaves of colour noise is
-small). Assumes that averaging in grey levels is averaging of light (no gamma), which keeps edges in their places.
+the two noise parts and n a standard normal field, on the luma
+alone (what JPEG leaves of colour noise is small). Assumes that averaging in grey levels is averaging of light (no gamma), which keeps edges in their places.
 
 The normal field is cut from a bank drawn once with a fixed seed: two windows at places that the frame's generator
 draws are added, so that no two frames share a field and a frame costs microseconds of random numbers.
@@ -26,6 +26,14 @@ from fsm_calib.world2d.scene import check_range
 Image = NDArray[np.uint8]
 _BANK = 1024
 """Side of the bank of noise [px]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Light:
+    """What reaches the sensor: luma, uint8 (height, width); chroma, uint8 (half height, half width, 2) Cr and Cb."""
+
+    luma: Image
+    chroma: Image
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,35 +83,36 @@ def noise_field(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[np.
 
 @lru_cache(maxsize=32)
 def _vignette(width: int, height: int, cx: float, cy: float, loss: float, brightness: float) -> NDArray[np.float32]:
-    """Return the gain of every pixel, shape (height, width, 3): brightness (1 - loss (r / corner)^2)."""
+    """Return the gain of every pixel, shape (height, width): brightness (1 - loss (r / corner)^2)."""
     v, u = np.mgrid[:height, :width].astype(np.float32)
     r2 = (u - cx) ** 2 + (v - cy) ** 2
     gain = brightness * (1.0 - loss * r2 / (0.25 * (width**2 + height**2)))
-    gain = np.repeat(np.clip(gain, 0.0, None)[..., None], 3, axis=2).astype(np.float32)
+    gain = np.clip(gain, 0.0, None).astype(np.float32)
     gain.setflags(write=False)
     return gain
 
 
-def expose(light: Image, camera: CameraModel, settings: SensorSettings, rng: np.random.Generator) -> Image:
-    """Return the picture, uint8 (height, width, 3) BGR, that a camera takes of `light`, its ideal image."""
-    image = light
+def expose(light: Light, camera: CameraModel, settings: SensorSettings, rng: np.random.Generator) -> Image:
+    """Return the picture, uint8 (height, width, 3) BGR, that a camera takes of `light`."""
+    luma = light.luma
     if settings.defocus > 0.0:
         side = 2 * math.ceil(3.0 * settings.defocus) + 1
-        image = cv2.GaussianBlur(image, (side, side), settings.defocus)
+        luma = cv2.GaussianBlur(luma, (side, side), settings.defocus)
     centre = float(camera.matrix[0, 2]), float(camera.matrix[1, 2])
     gain = _vignette(camera.width, camera.height, *centre, settings.vignette, settings.brightness)
-    image = cv2.multiply(image, gain, dtype=cv2.CV_8U)
+    luma = cv2.multiply(luma, gain, dtype=cv2.CV_8U)
     if settings.read_noise > 0.0 or settings.shot_noise > 0.0:
-        image = _with_noise(image, settings, rng)
+        spread = cv2.LUT(luma, _noise_table(settings.read_noise, settings.shot_noise))
+        luma = cv2.add(luma, cv2.multiply(spread, noise_field(luma.shape, rng)), dtype=cv2.CV_8U)
+    chroma = cv2.resize(light.chroma, (camera.width, camera.height), interpolation=cv2.INTER_LINEAR)
+    image = cv2.cvtColor(cv2.merge([luma, chroma]), cv2.COLOR_YCrCb2BGR)
     if settings.jpeg_quality > 0:
         _, coded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality])
         image = cv2.imdecode(coded, cv2.IMREAD_COLOR)
     return image
 
 
-def _with_noise(image: Image, settings: SensorSettings, rng: np.random.Generator) -> Image:
-    levels = np.arange(256, dtype=np.float32)
-    table = np.sqrt(settings.read_noise**2 + settings.shot_noise * levels).astype(np.float32)
-    spread = cv2.LUT(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), table)
-    noise = cv2.multiply(spread, noise_field(image.shape[:2], rng))
-    return cv2.add(image, cv2.merge([noise, noise, noise]), dtype=cv2.CV_8U)
+@lru_cache(maxsize=32)
+def _noise_table(read: float, shot: float) -> NDArray[np.float32]:
+    """Return the noise's standard deviation [grey levels] at each of the 256 grey levels."""
+    return np.sqrt(read**2 + shot * np.arange(256)).astype(np.float32)

@@ -8,9 +8,10 @@ point (a, b) [m] is at  a u + b v + origin  in `world`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
+import cv2
 import numpy as np
 
 from fsm_calib.types import FloatArray, Pose2, read_only
@@ -21,6 +22,7 @@ from fsm_calib.world2d.textures import (
     Texture,
     board_texture,
     floor_texture,
+    make_texture,
     road_texture,
     tag_texture,
     wall_texture,
@@ -193,14 +195,43 @@ def room_surfaces(spec: SceneSpec) -> tuple[Surface, ...]:
     return (*walls, floor)
 
 
+def bake_floor(floor: Surface, decals: list[Surface]) -> Surface:
+    """Return the floor with every print drawn into its picture, for views so distant that the prints' own is too fine."""
+    scale = floor.texture.scale
+    image = floor.texture.luma[0].copy()
+    plane_from_world = np.linalg.inv(_flat(floor.world_from_plane))
+    for decal in decals:
+        level = min(int(max(0.0, math.log2(decal.texture.scale / scale))), len(decal.texture.luma) - 1)
+        picture, fine = decal.texture.luma[level], decal.texture.scale / 2**level
+        matrix = np.diag([scale, scale, 1.0]) @ plane_from_world @ _flat(decal.world_from_plane) / np.array([fine, fine, 1.0])
+        height, width = picture.shape[:2]
+        corners = matrix[:2] @ np.array([[0, width, width, 0], [0, 0, height, height], [1, 1, 1, 1]])
+        x0, y0 = np.clip(np.floor(corners.min(axis=1)).astype(int), 0, None)
+        x1, y1 = np.minimum(np.ceil(corners.max(axis=1)).astype(int), image.shape[1::-1])
+        if x1 <= x0 or y1 <= y0:
+            continue
+        half = np.array([[1, 0, -0.5], [0, 1, -0.5], [0, 0, 1]])  # pixel centres
+        local = half @ np.array([[1, 0, -x0], [0, 1, -y0], [0, 0, 1]]) @ matrix @ np.linalg.inv(half)
+        patch = np.ascontiguousarray(image[y0:y1, x0:x1])
+        cv2.warpAffine(picture, local[:2], (x1 - x0, y1 - y0), dst=patch, borderMode=cv2.BORDER_TRANSPARENT)
+        image[y0:y1, x0:x1] = patch
+    return replace(floor, texture=make_texture(image, scale))
+
+
+def _flat(world_from_plane: FloatArray) -> FloatArray:
+    """Return the planar motion of a surface on the floor: (a, b, 1) -> (x, y, 1), shape (3, 3)."""
+    return np.vstack([world_from_plane[:2], [0.0, 0.0, 1.0]])
+
+
 def build_scene(spec: SceneSpec, rng: np.random.Generator) -> Scene:
     """Build every surface of `spec`; `rng` draws the irregular places and headings of the markers."""
     field_rng, lane_rng = rng.spawn(2)
     markers = field_markers(spec.field, field_rng) if spec.field else ()
     markers += lane_markers(spec.road, lane_rng) if spec.road else ()
-    surfaces = list(room_surfaces(spec))
-    surfaces += [road_surface(spec.road)] if spec.road else []
-    surfaces += [marker_surface(marker) for marker in markers]
+    *walls, floor = room_surfaces(spec)
+    prints = [road_surface(spec.road)] if spec.road else []
+    prints += [marker_surface(marker) for marker in markers]
+    surfaces = [*walls, bake_floor(floor, prints), *prints]
     surfaces += [board_surface(placement, index) for index, placement in enumerate(spec.boards)]
     surfaces += [wall_surface(wall, f"wall {index}") for index, wall in enumerate(spec.walls)]
     return Scene(spec, tuple(surfaces), markers)

@@ -1,6 +1,6 @@
 """Pictures of the things in the area: chessboards, markers, floor, road, walls, each at a known scale.
 
-A texture is an 8-bit BGR image whose pixel (0, 0) covers the square from (0, 0) to (1, 1) / scale [m] of its plane;
+A texture is an 8-bit image whose pixel (0, 0) covers the square from (0, 0) to (1, 1) / scale [m] of its plane;
 u runs to the right and v down. Prints are not pure black on white: ink 25 to 40, paper 215 to 230 of 255, as in
 photographs of printed boards.
 """
@@ -37,40 +37,49 @@ FLOOR_SCALE = 400.0
 
 YELLOW_BGR = (40.0, 190.0, 225.0)
 WHITE_BGR = (225.0, 222.0, 218.0)
-FLOOR_BGR = (74.0, 72.0, 72.0)
+FLOOR_GRAY = 73.0
 SHADES_BGR = {"wood": (120.0, 165.0, 196.0), "plaster": (168.0, 172.0, 176.0), "dark": (60.0, 58.0, 66.0)}
 
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """A picture of a plane and its halvings: `levels[n]` has 1 / 2**n of the scale [px/m] of `levels[0]`."""
+    """A picture of a plane and its halvings: level n has 1 / 2**n of the scale [px/m] of level 0.
 
-    levels: tuple[Image, ...]
+    luma : grey images; chroma : (Cr, Cb) images, 128 neutral, or None for a grey picture. Colour is rendered at half
+    the image's resolution, as JPEG keeps it (4:2:0).
+    """
+
+    luma: tuple[Image, ...]
+    chroma: tuple[Image, ...] | None
     scale: float
 
     @property
     def size(self) -> tuple[float, float]:
         """Width and height [m]."""
-        height, width = self.levels[0].shape[:2]
+        height, width = self.luma[0].shape[:2]
         return width / self.scale, height / self.scale
 
 
-def make_texture(image: Image, scale: float, halvings: int = 6) -> Texture:
-    """Build the pyramid of `image` by averaging 2 x 2 pixels; sides that do not divide are repeated at the edge."""
-    block = 2**halvings
-    while min(image.shape[:2]) < block and halvings > 0:
-        halvings, block = halvings - 1, block // 2
-    bottom, right = -image.shape[0] % block, -image.shape[1] % block
+def halvings(image: Image, count: int = 6) -> tuple[Image, ...]:
+    """Return `image` and its halvings by averaging 2 x 2 pixels; sides that do not divide are repeated at the edge."""
+    while min(image.shape[:2]) < 2**count and count > 0:
+        count -= 1
+    bottom, right = -image.shape[0] % 2**count, -image.shape[1] % 2**count
     level = cv2.copyMakeBorder(image, 0, bottom, 0, right, cv2.BORDER_REPLICATE) if bottom or right else image
     levels = [image]
-    for _ in range(halvings):
+    for _ in range(count):
         level = cv2.resize(level, (level.shape[1] // 2, level.shape[0] // 2), interpolation=cv2.INTER_AREA)
         levels.append(level)
-    return Texture(tuple(levels), scale)
+    return tuple(levels)
 
 
-def _gray_to_bgr(gray: NDArray) -> Image:
-    return cv2.cvtColor(np.ascontiguousarray(gray, dtype=np.uint8), cv2.COLOR_GRAY2BGR)
+def make_texture(image: Image, scale: float) -> Texture:
+    """Build the texture of a grey (height, width) or BGR (height, width, 3) picture of `scale` [px/m]."""
+    if image.ndim == 2:
+        return Texture(halvings(image), None, scale)
+    planes = cv2.cvtColor(image, cv2.COLOR_BGR2YCrCb)
+    luma, chroma = np.ascontiguousarray(planes[..., 0]), np.ascontiguousarray(planes[..., 1:])
+    return Texture(halvings(luma), halvings(chroma), scale)
 
 
 @lru_cache(maxsize=16)
@@ -81,7 +90,7 @@ def board_texture(board: BoardSpec, margin: float) -> Texture:
     cells = np.where(squares == 0, INK, PAPER)
     gray = np.kron(cells, np.ones((BOARD_TEXELS, BOARD_TEXELS)))
     border = round(margin * scale)
-    return make_texture(_gray_to_bgr(np.pad(gray, border, constant_values=PAPER)), scale)
+    return make_texture(np.pad(gray, border, constant_values=PAPER).astype(np.uint8), scale)
 
 
 @lru_cache(maxsize=1024)
@@ -94,7 +103,8 @@ def tag_texture(tag_id: int, size: float) -> Texture:
     side = TAG_CELLS * TAG_TEXELS
     drawn = np.rot90(cv2.aruco.generateImageMarker(dictionary, tag_id, side), 2)
     gray = np.where(drawn > 127, PAPER, INK)
-    return make_texture(_gray_to_bgr(np.pad(gray, TAG_BORDER * TAG_TEXELS, constant_values=PAPER)), side / size)
+    sheet = np.pad(gray, TAG_BORDER * TAG_TEXELS, constant_values=PAPER)
+    return make_texture(sheet.astype(np.uint8), side / size)
 
 
 def _grain(shape: tuple[int, int], sigmas: tuple[float, ...], weights: tuple[float, ...], seed: int) -> NDArray:
@@ -119,7 +129,8 @@ def _tinted(colour: tuple[float, float, float], grain: NDArray) -> Image:
 def floor_texture(width: float, height: float) -> Texture:
     """Return dark foam tiles of 0.61 m with grain and joints, `width` x `height` [m]."""
     shape = (round(height * FLOOR_SCALE), round(width * FLOOR_SCALE))
-    image = _tinted(FLOOR_BGR, _grain(shape, (1.0, 6.0, 90.0), (5.0, 2.5, 5.0), seed=11))
+    grain = _grain(shape, (1.0, 6.0, 90.0), (5.0, 2.5, 5.0), seed=11)
+    image = np.clip(FLOOR_GRAY * (1.0 + grain / 100.0), 0, 255).astype(np.uint8)
     step = round(0.61 * FLOOR_SCALE)
     image[::step], image[:, ::step] = 46, 46
     return make_texture(image, FLOOR_SCALE)
@@ -158,7 +169,7 @@ def road_texture(road: Road) -> Texture:
     v runs against the traffic, so that the picture's lower edge is the road's beginning.
     """
     shape = (round(road.length * ROAD_SCALE), round(2.0 * road.half_width * ROAD_SCALE))
-    image = _tinted(FLOOR_BGR, _grain(shape, (2.0, 12.0, 120.0), (4.0, 2.5, 4.0), seed=23))
+    image = _tinted((FLOOR_GRAY,) * 3, _grain(shape, (2.0, 12.0, 120.0), (4.0, 2.5, 4.0), seed=23))
     tape = 1.0 + _grain(shape, (3.0, 30.0), (1.0, 2.0), seed=29)[..., None] / 100.0
     across = (np.arange(shape[1]) + 0.5) / ROAD_SCALE - road.half_width
     along = road.length - (np.arange(shape[0]) + 0.5) / ROAD_SCALE

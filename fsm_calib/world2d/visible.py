@@ -16,6 +16,8 @@ _COARSE = 8
 """Spacing of the rays that look for surfaces reaching behind the camera [px]."""
 _SMALLEST = 1.5
 """Surfaces smaller than this in the image are left out [px]; no detector sees them."""
+_BAKED = 9.0
+"""Prints on the floor that are lower than this in the image [px] are left to the floor's own, coarser picture."""
 _LAYERS = {"room": 0, "floor": 1, "decal": 2, "standing": 3}
 
 Box = tuple[int, int, int, int]
@@ -61,7 +63,8 @@ class SurfaceIndex:
         seen = []
         for index in np.flatnonzero(facing & some):
             box = boxes[index] if in_front[index] else _search_box(table, plane_from_ray[index], self.sides[index])
-            box = _clip(box, table)
+            low = _BAKED if self.layers[index] == _LAYERS["decal"] else _SMALLEST
+            box = _clip(box, table, low)
             if box is not None:
                 seen.append(Seen(self.surfaces[index], box, plane_from_ray[index]))
         return _in_drawing_order(seen, position)
@@ -103,9 +106,9 @@ def _search_box(table: RayTable, plane_from_ray: FloatArray, size: FloatArray) -
     return low_x, low_y, (columns[-1] + 2) * _COARSE, (rows[-1] + 2) * _COARSE
 
 
-def _clip(box: tuple[float, float, float, float] | None, table: RayTable) -> Box | None:
+def _clip(box: tuple[float, float, float, float] | None, table: RayTable, low: float) -> Box | None:
     """Round a box outwards and cut it at the image; None when nothing worth drawing is left."""
-    if box is None or min(box[2] - box[0], box[3] - box[1]) < _SMALLEST:
+    if box is None or box[3] - box[1] < low or box[2] - box[0] < _SMALLEST:
         return None
     x0, y0 = max(0, int(np.floor(box[0])) - 1), max(0, int(np.floor(box[1])) - 1)
     x1 = min(table.camera.width, int(np.ceil(box[2])) + 2)
