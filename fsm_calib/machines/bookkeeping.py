@@ -85,7 +85,8 @@ def turn_back(books: Books, limits: Limits, evidence: Evidence) -> None:
 
 def return_to_row(books: Books, limits: Limits, evidence: Evidence) -> None:
     """As published, the end of the row was passed: change the direction and take the last board's number
-    again."""
+    again.
+    """
     turn_back(books, limits, evidence)
     books.board = min(max(books.board, 0), limits.boards - 1)
 

@@ -80,7 +80,8 @@ class Model:
 
     def dispatch(self, trigger: str, evidence: Evidence) -> bool:
         """Let the machine take `trigger`; return whether a transition was taken. When not, nothing has
-        changed."""
+        changed.
+        """
         self.answers, self.kept, self.taken = {}, [], []
         try:
             self.trigger(trigger, evidence=evidence)

@@ -10,30 +10,69 @@ def _failure(name: str, reason: str, cure: str) -> State:
 
 
 FAILURES = (
-    _failure("board_missing", "A chessboard was not found where the plan expects one.",
-             "Stand every board in sight of the robot, in a semicircle, or declare fewer boards."),
-    _failure("camera_blurred", "The picture stayed blurred.",
-             "Turn the lens ring until the sharpness is highest, clean the lens, or skip the focus step."),
-    _failure("camera_frozen", "The camera repeats one and the same frame.",
-             "Restart the camera's driver and check its ribbon cable."),
-    _failure("camera_refused", "The camera could not be computed from the views.",
-             "Stand the boards at different distances and angles, and check the declared number and size of squares."),
-    _failure("camera_silent", "The camera delivers no frames.",
-             "Check the camera's ribbon cable and that its driver runs."),
-    _failure("field_not_left", "The robot drove on and still saw markers.",
-             "Check that the marker field ends before the lane and lies within the allowed driving distance."),
-    _failure("lane_missing", "The lane was not found.",
-             "Check that the lane's lines are in sight where the marker field ends and that the light is even."),
-    _failure("marker_missing", "No floor marker was found.",
-             "Check that the floor markers lie flat, are lit, belong to tag36h11 and have the declared size."),
-    _failure("not_aligning", "The robot could not turn to stand along the markers.",
-             "Check that all markers are oriented alike and that the wheels turn freely at low commands."),
-    _failure("not_turning", "The robot turned for many steps and still saw the same board.",
-             "Check that the wheels grip the floor and that nothing holds the robot."),
-    _failure("wall_hit", "Something blocks the robot.",
-             "Clear the robot's surroundings and put it back to its starting place."),
-    _failure("wheel_dead", "A wheel does not turn although it is commanded to.",
-             "Check the motor's cable, the battery and that the wheel turns freely."),
-    _failure("wheels_not_settling", "The wheel ratio did not settle within the allowed iterations.",
-             "Check that the wheels are fixed to their axles, the floor is even and the battery is charged."),
-)  # fmt: skip
+    _failure(
+        "board_missing",
+        "A chessboard was not found where the plan expects one.",
+        "Stand every board in sight of the robot, in a semicircle, or declare fewer boards.",
+    ),
+    _failure(
+        "camera_blurred",
+        "The picture stayed blurred.",
+        "Turn the lens ring until the sharpness is highest, clean the lens, or skip the focus step.",
+    ),
+    _failure(
+        "camera_frozen",
+        "The camera repeats one and the same frame.",
+        "Restart the camera's driver and check its ribbon cable.",
+    ),
+    _failure(
+        "camera_refused",
+        "The camera could not be computed from the views.",
+        "Stand the boards at different distances and angles; check the declared number and size of squares.",
+    ),
+    _failure(
+        "camera_silent",
+        "The camera delivers no frames.",
+        "Check the camera's ribbon cable and that its driver runs.",
+    ),
+    _failure(
+        "field_not_left",
+        "The robot drove on and still saw markers.",
+        "Check that the marker field ends before the lane and lies within the allowed driving distance.",
+    ),
+    _failure(
+        "lane_missing",
+        "The lane was not found.",
+        "Check that the lane's lines are in sight where the marker field ends and that the light is even.",
+    ),
+    _failure(
+        "marker_missing",
+        "No floor marker was found.",
+        "Check that the floor markers lie flat, are lit, belong to tag36h11 and have the declared size.",
+    ),
+    _failure(
+        "not_aligning",
+        "The robot could not turn to stand along the markers.",
+        "Check that all markers are oriented alike and that the wheels turn freely at low commands.",
+    ),
+    _failure(
+        "not_turning",
+        "The robot turned for many steps and still saw the same board.",
+        "Check that the wheels grip the floor and that nothing holds the robot.",
+    ),
+    _failure(
+        "wall_hit",
+        "Something blocks the robot.",
+        "Clear the robot's surroundings and put it back to its starting place.",
+    ),
+    _failure(
+        "wheel_dead",
+        "A wheel does not turn although it is commanded to.",
+        "Check the motor's cable, the battery and that the wheel turns freely.",
+    ),
+    _failure(
+        "wheels_not_settling",
+        "The wheel ratio did not settle within the allowed iterations.",
+        "Check that the wheels are fixed to their axles, the floor is even and the battery is charged.",
+    ),
+)

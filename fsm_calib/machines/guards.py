@@ -64,7 +64,8 @@ def has_sweeps_left(books: Books, limits: Limits, evidence: Evidence) -> bool:
 
 def is_sweep_over(books: Books, limits: Limits, evidence: Evidence) -> bool:
     """Whether the last change of direction is already made (only as published: it is tested after the
-    step)."""
+    step).
+    """
     return books.changes > limits.passes
 
 
@@ -120,7 +121,8 @@ def can_turn_counterclockwise(books: Books, limits: Limits, evidence: Evidence) 
 
 def has_seeking_left(books: Books, limits: Limits, evidence: Evidence) -> bool:
     """Whether one more step of the search for markers or the lane is within its budgets of steps and
-    angle."""
+    angle.
+    """
     angle = books.angle + abs(evidence.get("turned", 0.0))
     return books.steps + 1 < limits.seeking_steps and angle < limits.seeking_angle
 

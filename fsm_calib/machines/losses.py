@@ -12,7 +12,8 @@ WALL_HIT = "/failed/wall_hit"
 
 def camera_losses(*sources: str) -> tuple[Transition, ...]:
     """Return what happens when the camera fails: try again while frames may be lost, then end with the
-    reason."""
+    reason.
+    """
     return (
         *choose("frame_missing", sources, when("has_frame_retries_left", None, "count_lost_frame"),
                 otherwise(CAMERA_SILENT)),

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from fsm_calib.machines.spec import Chart
-from fsm_calib.machines.squaring import SQUARING_STATES, squaring_transitions
-
-_CHECKING, _SEEKING, *_TURNS = SQUARING_STATES
+from fsm_calib.machines.squaring import CHECKING, TURNING, squaring_transitions
 
 ORIENTATION = Chart(
     name="orientation",
     about="Turn step by step to the first marker, then to the smallest marker angle.",
-    states=(_SEEKING, _CHECKING, *_TURNS),
+    states=(TURNING, CHECKING),
     transitions=squaring_transitions("", done="/between"),
 )

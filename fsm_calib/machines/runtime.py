@@ -1,5 +1,6 @@
 """The running machine: where the robot stands in its calibration, what to do now, and what an outcome leads
-to."""
+to.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +24,16 @@ class UndeclaredOutcomeError(FsmCalibError):
     def __init__(self, state: str, trigger: str, known: Iterable[str]) -> None:
         self.state, self.trigger, self.known = state, trigger, tuple(sorted(known))
         super().__init__(
-            f"in state {state} the outcome {trigger!r} is not declared; declared: {', '.join(self.known) or 'none'}."
+            f"in state {state} the outcome {trigger!r} is not declared; "
+            f"declared: {', '.join(self.known) or 'none'}."
         )
 
 
 @dataclass(frozen=True, slots=True)
 class Failure:
     """Why a run failed: the failure's name, the reason and the cure, each a sentence, and the state it came
-    from."""
+    from.
+    """
 
     name: str
     reason: str
@@ -113,7 +116,8 @@ class CalibrationMachine:
     @property
     def briefing(self) -> dict[str, Any]:
         """What an activity may know of the machine: the state's path, the phase and the counts in the
-        books."""
+        books.
+        """
         return {"state": self.state, **self.books.to_dict()}
 
     def fire(self, outcome: Outcome) -> Fired:

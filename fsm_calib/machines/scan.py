@@ -6,7 +6,7 @@ board's number is in the books:
 
     collecting   visible, no recovery: every step keeps a view of this board
     doubting     not visible, no recovery: missed, but fewer times in a row than `misses_before_lost`
-    searching    recovery: the board is lost, turn on to the next one (or back to the last one at the end of the row)
+    searching    recovery: the board is lost, turn on to the next one (or back to it at the end of the row)
 
 Boards are numbered from 0 counter-clockwise, so turning clockwise leads to lower numbers. The scan begins
 clockwise, and each time the row's end is reached the direction changes: P full sweeps end at change P + 1. As
@@ -59,8 +59,6 @@ def _sweep(way: str, back: str) -> tuple[Transition, ...]:
     )  # fmt: skip
 
 
-_TURNING = tuple(f"{way}/{leaf}" for way in DIRECTIONS for leaf in ("collecting", "doubting", "searching"))
-
 SCAN = Chart(
     name="scan",
     about="Turn from board to board and back, keep the views, solve the camera.",
@@ -87,7 +85,7 @@ SCAN = Chart(
                 when("has_standpoints_left", "moving", "count_standpoint"),
                 otherwise("/failed/camera_refused")),
         *always("standpoint_reached", "moving", "starting", "begin_sweep"),
-        *camera_losses("starting", *_TURNING),
-        *motion_losses(*_TURNING, "moving"),
+        *camera_losses("starting", *DIRECTIONS),
+        *motion_losses(*DIRECTIONS, "moving"),
     ),
 )  # fmt: skip

@@ -87,7 +87,8 @@ class Transition:
 @dataclass(frozen=True, slots=True)
 class Chart:
     """A machine: its name, a sentence about it, its states (the first is the initial one) and its
-    transitions."""
+    transitions.
+    """
 
     name: str
     about: str
@@ -96,7 +97,8 @@ class Chart:
 
     def walk(self) -> Iterator[tuple[str, State]]:
         """Yield every state of the tree, charts inside included, with its path from the root of this
-        chart."""
+        chart.
+        """
         yield from _walk(self.states, "")
 
     def all_transitions(self) -> Iterator[Transition]:
@@ -125,7 +127,8 @@ def _placed(edge: Transition, prefix: str) -> Transition:
 @dataclass(frozen=True, slots=True)
 class Branch:
     """One way out of a choice: when `guard` holds (empty: otherwise), to `dest`, with book-keeping
-    `actions`."""
+    `actions`.
+    """
 
     guard: str
     dest: str | None

@@ -11,20 +11,19 @@ from __future__ import annotations
 from fsm_calib.machines.losses import camera_losses, motion_losses
 from fsm_calib.machines.spec import Branch, State, Transition, choose, otherwise, when
 
-SQUARING_STATES = (
-    State("checking", "Measure the nearest marker at rest.", do="measure_marker"),
+CHECKING = State("checking", "Measure the nearest marker at rest.", do="measure_marker")
+TURNING = State("turning", "Turn, one step and one frame at a time.", children=(
     State("seeking", "Turn until a marker comes into sight.", do="turn_to_marker"),
     State("clockwise", "Turn clockwise, a small step at a time.", do="turn_clockwise"),
     State("counterclockwise", "Turn counter-clockwise, a small step at a time.", do="turn_counterclockwise"),
-)
+))  # fmt: skip
+SQUARING_STATES = (CHECKING, TURNING)
 
 
 def squaring_transitions(prefix: str, done: str) -> tuple[Transition, ...]:
-    """Return the transitions of the states above, placed under `prefix` (with its ``/``), that end in
-    `done`."""
-    checking, seeking = f"{prefix}checking", f"{prefix}seeking"
-    clockwise, counterclockwise = f"{prefix}clockwise", f"{prefix}counterclockwise"
-    turning = (clockwise, counterclockwise)
+    """Return the transitions of the states above, placed under `prefix` (with its ``/``), to `done`."""
+    checking, turning = f"{prefix}checking", f"{prefix}turning"
+    seeking, clockwise, counterclockwise = (f"{turning}/{state.name}" for state in TURNING.children)
     return (
         *choose("marker_measured", checking,
                 when("is_aligned", done),
@@ -38,13 +37,13 @@ def squaring_transitions(prefix: str, done: str) -> tuple[Transition, ...]:
         *choose("marker_missed", seeking,
                 when("has_seeking_left", seeking, "count_seeking"),
                 otherwise("/failed/marker_missing")),
-        *_turning(clockwise, checking, clockwise, counterclockwise),
-        *_turning(counterclockwise, checking, clockwise, counterclockwise),
-        *choose("marker_missed", (checking, *turning),
+        *_stepping(clockwise, checking, clockwise, counterclockwise),
+        *_stepping(counterclockwise, checking, clockwise, counterclockwise),
+        *choose("marker_missed", (checking, clockwise, counterclockwise),
                 when("has_recoveries_left", seeking, "count_recovery"),
                 otherwise("/failed/marker_missing")),
-        *camera_losses(checking, seeking, *turning),
-        *motion_losses(seeking, *turning),
+        *camera_losses(checking, turning),
+        *motion_losses(turning),
     )  # fmt: skip
 
 
@@ -55,7 +54,7 @@ def _turns(clockwise: str, counterclockwise: str, first: str, second: str = "") 
     )
 
 
-def _turning(source: str, checking: str, clockwise: str, counterclockwise: str) -> tuple[Transition, ...]:
+def _stepping(source: str, checking: str, clockwise: str, counterclockwise: str) -> tuple[Transition, ...]:
     """Return what a marker in sight leads to while turning: a change of direction is an overshoot."""
     on, over = "count_turn", "count_overshoot"
     turns = _turns(clockwise, counterclockwise, *((on, over) if source == clockwise else (over, on)))

@@ -30,7 +30,7 @@ WHEELS = Chart(
                 when("has_recoveries_left", "squaring", "count_recovery", "begin_squaring"),
                 otherwise("/failed/not_aligning")),
         *choose("marker_missed", "measuring",
-                when("has_recoveries_left", "squaring/seeking", "count_recovery", "begin_squaring"),
+                when("has_recoveries_left", "squaring/turning/seeking", "count_recovery", "begin_squaring"),
                 otherwise("/failed/marker_missing")),
         *always("drive_finished", "forward", "comparing"),
         *always("ratio_measured", "comparing", "back"),

@@ -1,0 +1,81 @@
+"""The files in `diagrams/`: Mermaid and DOT text and a picture of every machine, written from the tables.
+
+`--check` compares the texts. A picture carries the digest of the DOT text it was drawn from, so that a stale
+picture is found without drawing it again. Pictures are drawn by Graphviz (`dot`) where it is installed;
+elsewhere the texts are written and the pictures that are still current are kept.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import subprocess
+from pathlib import Path
+
+from fsm_calib.machines.dot import dot_text
+from fsm_calib.machines.mermaid import mermaid_text
+from fsm_calib.machines.picture import Picture, picture
+from fsm_calib.machines.supervisor import MACHINES, SUPERVISOR
+
+DIGEST = "<!-- drawn from the DOT text with sha256 {} -->"
+
+
+def pictures() -> dict[str, Picture]:
+    """Return what is drawn, by file stem: every machine, the supervisor with machines folded, and the
+    whole.
+    """
+    drawn = {chart.name: picture(chart) for chart in MACHINES}
+    return {"supervisor": picture(SUPERVISOR, folded=True), **drawn, "whole": picture(SUPERVISOR)}
+
+
+def diagram_texts() -> dict[str, str]:
+    """Return the text files of `diagrams/` by name."""
+    texts: dict[str, str] = {}
+    for stem, drawn in pictures().items():
+        texts[f"{stem}.mmd"] = mermaid_text(drawn)
+        texts[f"{stem}.dot"] = dot_text(drawn)
+    return texts
+
+
+def write_diagrams(directory: Path | str) -> list[Path]:
+    """Write all diagrams into `directory` and return the paths written."""
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, text in diagram_texts().items():
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        written.append(folder / name)
+        if name.endswith(".dot") and (svg := draw_svg(text)):
+            written.append((folder / name).with_suffix(".svg"))
+            written[-1].write_text(svg, encoding="utf-8", newline="\n")
+    return written
+
+
+def stale_diagrams(directory: Path | str) -> list[Path]:
+    """Return the files in `directory` that are missing or differ from what the tables say."""
+    folder, stale = Path(directory), []
+    for name, text in diagram_texts().items():
+        path = folder / name
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            stale.append(path)
+        svg = path.with_suffix(".svg")
+        if name.endswith(".dot") and (
+            not svg.is_file() or _digest(text) not in svg.read_text(encoding="utf-8")
+        ):
+            stale.append(svg)
+    return stale
+
+
+def draw_svg(text: str) -> str | None:
+    """Return the SVG picture of a DOT text, or None when Graphviz is not installed."""
+    program = shutil.which("dot")
+    if program is None:
+        return None
+    done = subprocess.run(
+        [program, "-Tsvg"], input=text, capture_output=True, text=True, check=True, encoding="utf-8"
+    )
+    return done.stdout.rstrip() + "\n" + _digest(text) + "\n"
+
+
+def _digest(text: str) -> str:
+    return DIGEST.format(hashlib.sha256(text.encode()).hexdigest())
