@@ -1,0 +1,151 @@
+"""Weave the hooks of all effects and the loop into one module, compile it once, and keep it for later processes.
+
+The woven module is written to the user's cache folder under a name that is the hash of everything that goes into it, so
+that a changed effect compiles anew and an unchanged catalogue starts at once. The folder is ``FSM_CALIB_CACHE`` when
+set, else ``$XDG_CACHE_HOME/fsm_calib`` or ``~/.cache/fsm_calib``; where that cannot be written, the system's temporary
+folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import inspect
+import os
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+from fsm_calib.world2d import dynamics, loop, slots
+from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import parameter_table
+
+COMPILED = ("integrate_levels", "look_at_track", "keep", "run", "run_many", "single_step")
+CACHED = ("run", "run_many", "single_step", "begin", "shape", "delay")
+"""Functions that are called from Python and therefore kept on disk."""
+
+HEADER = '''"""Woven by fsm_calib.world2d.kernel from the catalogue of effects; do not edit. {digest}"""
+import math
+import numpy as np
+from numba import njit
+from fsm_calib.world2d.dynamics import *
+from fsm_calib.world2d.dynamics import begin_base, begin_step, share_load
+from fsm_calib.world2d.slots import *
+OUTPUTS = {outputs}
+'''
+
+
+def memory_places() -> tuple[dict[str, int], int]:
+    """Return the place in S of each effect's memory, and how many slots all of them need."""
+    places, total = {}, 0
+    for effect in registry().values():
+        places[effect.name] = slots.MEMORY + total
+        total += effect.memory
+    return places, total
+
+
+def flag_places() -> dict[str, int]:
+    """Return the place of each effect in the array of flags."""
+    return {name: i for i, name in enumerate(registry())}
+
+
+def _hooked(stage: str) -> list[Effect]:
+    """Return the effects that have a hook for the stage, in the order in which they act."""
+    return sorted((e for e in registry().values() if stage in e.hooks), key=lambda e: (e.order, e.name))
+
+
+def _calls(stage: str, template: str) -> str:
+    """Return one guarded line a hook; the template knows name, o (first parameter), m (memory) and i (flag)."""
+    table, (places, _), flags = parameter_table(), memory_places(), flag_places()
+    lines = []
+    for effect in _hooked(stage):
+        call = template.format(name=f"{effect.name}_{stage}", o=table.first[effect.name], m=places[effect.name])
+        lines.append(f"    if on[{flags[effect.name]}]:\n        {call}\n")
+    return "".join(lines)
+
+
+def _imports() -> str:
+    """Return the import lines of all compiled hooks."""
+    lines = []
+    for stage in ("begin", "shape", "delay", "step"):
+        for effect in _hooked(stage):
+            hook = effect.hooks[stage]
+            lines.append(f"from {hook.__module__} import {hook.__name__} as {effect.name}_{stage}\n")
+    return "".join(lines)
+
+
+def _stages() -> str:
+    """Return the text of begin, shape, delay and step with the hooks in their places."""
+    njit = '@njit(error_model="numpy"{})\n'
+    kept, plain = njit.format(", cache=True"), njit.format("")
+    return (
+        f"{kept}def begin(P, on, W):\n    begin_base(P, W)\n"
+        f"{_calls('begin', '{name}(P, {o}, W)')}    share_load(P, W)\n\n\n"
+        f"{kept}def shape(P, on, u, side):\n{_calls('shape', 'u = {name}(P, {o}, u, side)')}    return u\n\n\n"
+        f"{kept}def delay(P, on):\n    late = 0.0\n{_calls('delay', 'late += {name}(P, {o})')}    return late\n\n\n"
+        f"{plain}def step(P, on, S, W):\n    begin_step(P, W)\n{_calls('step', '{name}(P, {o}, S, {m}, W)')}"
+        "    add_tyres(S, W)\n    finish_step(S, W)\n    place_robot(S, W)\n\n\n"
+    )
+
+
+def _loop_text() -> str:
+    """Return the text of the loop's functions, those called from Python marked for keeping on disk."""
+    parts = []
+    for name in COMPILED:
+        text = inspect.getsource(getattr(loop, name).py_func)
+        if name in CACHED:
+            text = text.replace('@njit(error_model="numpy")', '@njit(error_model="numpy", cache=True)')
+        parts.append(text)
+    return "\n\n".join(parts)
+
+
+def _digest(text: str) -> str:
+    """Return a hash of the woven text and of every file whose code it calls."""
+    digest = hashlib.sha256(text.encode())
+    digest.update(sys.version.encode())
+    files = {inspect.getfile(m) for m in (dynamics, slots, loop)}
+    folder = Path(inspect.getfile(Effect)).parent
+    for file in sorted(files | {str(p) for p in folder.glob("*.py")}):
+        digest.update(Path(file).read_bytes())
+    return digest.hexdigest()[:20]
+
+
+def cache_folder() -> Path:
+    """Return a folder that can be written to, made if need be (see the module's text)."""
+    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    wanted = Path(os.environ.get("FSM_CALIB_CACHE") or Path(home) / "fsm_calib")
+    try:
+        wanted.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=wanted):
+            return wanted
+    except OSError:
+        spare = Path(tempfile.gettempdir()) / f"fsm_calib-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
+        spare.mkdir(parents=True, exist_ok=True)
+        return spare
+
+
+def woven_source() -> str:
+    """Return the text of the whole module."""
+    text = _imports() + "\n\n" + _stages() + _loop_text()
+    return HEADER.format(digest=_digest(text), outputs=loop.OUTPUTS) + text
+
+
+@cache
+def kernel() -> ModuleType:
+    """Return the woven module (`run`, `run_many`, `single_step`, `begin`, `shape`, `delay`); compiles on first call."""
+    source = woven_source()
+    name = f"fsm_calib_kernel_{hashlib.sha256(source.encode()).hexdigest()[:20]}"
+    file = cache_folder() / f"{name}.py"
+    if not file.exists():
+        part = file.with_name(f"{name}.{os.getpid()}.part")
+        part.write_text(source, encoding="utf-8")
+        part.replace(file)
+    spec = importlib.util.spec_from_file_location(name, file)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"cannot load {file}")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

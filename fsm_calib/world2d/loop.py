@@ -1,0 +1,166 @@
+"""The loop over steps, as plain text that `kernel` weaves together with the effects' hooks and compiles.
+
+The functions here run the bare base robot as they stand (`begin`, `shape`, `delay`, `step` below know no effect);
+`kernel` puts generated functions of the same names in their place. A drive is held commands: level j acts from
+``times[j]`` to ``times[j + 1]``. Levels pass the static maps first and are then averaged over each step from their
+running integral, so that a delay moves the result smoothly and no edge is ever missed.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from fsm_calib.world2d.dynamics import (
+    accept_step,
+    add_tyres,
+    begin_base,
+    begin_step,
+    finish_step,
+    look_around,
+    place_robot,
+    share_load,
+)
+from fsm_calib.world2d.slots import (
+    BENCH_SIZE,
+    COMMAND,
+    COS,
+    HALF_AXLE,
+    HEADING_COS,
+    HEADING_SIN,
+    MEMORY,
+    OMEGA,
+    PLACE_X,
+    PLACE_Y,
+    RIM,
+    ROLL,
+    SIN,
+    STEP,
+    THETA,
+    TIME,
+    L,
+    V,
+)
+
+OUTPUTS = 12
+"""Columns of a result: x, y, theta, v, l, omega, wheel angles left and right, rim speeds left and right, time, moved."""
+
+
+@njit(error_model="numpy")
+def begin(P, on, W):
+    """Prepare the workbench for a roll-out."""
+    begin_base(P, W)
+    share_load(P, W)
+
+
+@njit(error_model="numpy")
+def shape(P, on, u, side):
+    """Map a held command [1] of one wheel statically."""
+    return u
+
+
+@njit(error_model="numpy")
+def delay(P, on):
+    """Return how much later commands act [s]."""
+    return 0.0
+
+
+@njit(error_model="numpy")
+def step(P, on, S, W):
+    """Find velocity and pose after one step; the result lies in W, the state's pose and twist are untouched."""
+    begin_step(P, W)
+    add_tyres(S, W)
+    finish_step(S, W)
+    place_robot(S, W)
+
+
+@njit(error_model="numpy")
+def integrate_levels(P, on, times, levels, side):
+    """Return shaped levels and their running integral [s] at the breakpoints, each of shape (n,)."""
+    n = times.size
+    shaped, total = np.empty(n), np.zeros(n)
+    for j in range(n):
+        shaped[j] = shape(P, on, levels[j], side)
+        if j > 0:
+            total[j] = total[j - 1] + shaped[j - 1] * (times[j] - times[j - 1])
+    return shaped, total
+
+
+@njit(error_model="numpy")
+def look_at_track(W, track, k, part):
+    """Take place, heading and roll from the track, `part` of the way from sample k to k + 1."""
+    W[PLACE_X] = track[k, 0] + part * (track[k + 1, 0] - track[k, 0])
+    W[PLACE_Y] = track[k, 1] + part * (track[k + 1, 1] - track[k, 1])
+    theta = track[k, 2] + part * (track[k + 1, 2] - track[k, 2])
+    W[COS], W[SIN] = math.cos(theta), math.sin(theta)
+    W[ROLL] = track[k, 3] + part * (track[k + 1, 3] - track[k, 3])
+    W[ROLL + 1] = track[k, 4] + part * (track[k + 1, 4] - track[k, 4])
+
+
+@njit(error_model="numpy")
+def keep(out, k, S):
+    """Write the state into row k of the result."""
+    for i in range(10):
+        out[k, i] = S[i]
+    out[k, 10] = S[TIME]
+    out[k, 11] = 1.0 if abs(S[V]) + abs(S[L]) + abs(S[OMEGA]) > 0.0 else 0.0
+
+
+@njit(error_model="numpy")
+def run(P, on, memory, looks, times, left, right, samples, start, track, limit, out):
+    """Drive the robot through the sample times [s] and write one row a sample, shape (n, 12).
+
+    `on` (flags, one an effect), `memory` (slots they need), `looks` (0: no place needed, 1: simulated pose, 2: track of
+    shape (n, 5) at the sample times: x, y, theta, wheel angles), `start` (6: pose and twist of the axle), `limit` the
+    longest step [s]. Each interval between samples is cut into equal steps.
+    """
+    S, W = np.zeros(MEMORY + memory), np.zeros(BENCH_SIZE)
+    S[:6] = start
+    S[TIME] = samples[0]
+    S[HEADING_COS], S[HEADING_SIN] = math.cos(S[THETA]), math.sin(S[THETA])
+    begin(P, on, W)
+    S[RIM], S[RIM + 1] = S[V] - W[HALF_AXLE] * S[OMEGA], S[V] + W[HALF_AXLE] * S[OMEGA]
+    level_l, total_l = integrate_levels(P, on, times, left, 0)
+    level_r, total_r = integrate_levels(P, on, times, right, 1)
+    late, last, j = delay(P, on), times.size - 1, 0
+    t = samples[0] - late
+    while j < last and times[j + 1] <= t:
+        j += 1
+    at_l, at_r = total_l[j] + level_l[j] * (t - times[j]), total_r[j] + level_r[j] * (t - times[j])
+    keep(out, 0, S)
+    for k in range(samples.size - 1):
+        span = samples[k + 1] - samples[k]
+        n = max(1, math.ceil(span / limit - 0.02))
+        h = span / n
+        W[STEP] = h
+        for i in range(n):
+            t = samples[k] + (i + 1) * h - late
+            while j < last and times[j + 1] <= t:
+                j += 1
+            to_l, to_r = total_l[j] + level_l[j] * (t - times[j]), total_r[j] + level_r[j] * (t - times[j])
+            W[COMMAND], W[COMMAND + 1] = (to_l - at_l) / h, (to_r - at_r) / h
+            at_l, at_r = to_l, to_r
+            if looks == 1:
+                look_around(S, W)
+            elif looks == 2:
+                look_at_track(W, track, k, (i + 0.5) / n)
+            step(P, on, S, W)
+            accept_step(S, W)
+        keep(out, k + 1, S)
+
+
+@njit(error_model="numpy")
+def run_many(Ps, ons, memory, looks, times, left, right, samples, starts, track, limit, out):
+    """Run every parameter vector of Ps, shape (k, p), from starts, shape (k, 6); out has shape (k, n, 12)."""
+    for i in range(Ps.shape[0]):
+        run(Ps[i], ons[i], memory, looks[i], times, left, right, samples, starts[i], track, limit, out[i])
+
+
+@njit(error_model="numpy")
+def single_step(P, on, S, W, u_left, u_right, h):
+    """Make one step of a robot that lives elsewhere: mean shaped commands [1], length h [s]; result in W."""
+    W[STEP], W[COMMAND], W[COMMAND + 1] = h, u_left, u_right
+    look_around(S, W)
+    step(P, on, S, W)

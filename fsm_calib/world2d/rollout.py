@@ -1,0 +1,176 @@
+"""The fast roll-out: drive the robot of a parameter vector with recorded commands and say what would be measured.
+
+The same compiled step as the pymunk body's (`body`), without contacts. Everything here is a function of arrays; nothing
+is kept between calls but the compiled program (`kernel`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from fsm_calib.errors import InputError
+from fsm_calib.types import FloatArray, read_only
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.kernel import kernel, memory_places
+from fsm_calib.world2d.loop import OUTPUTS
+from fsm_calib.world2d.parameters import parameter_table
+
+COLUMNS = ("x", "y", "theta", "v", "v_lateral", "omega", "wheel_angle_left", "wheel_angle_right", "rim_speed_left",
+           "rim_speed_right", "time", "is_moving")  # fmt: skip
+"""Columns of a result [m, m, rad, m/s, m/s, rad/s, rad, rad, m/s, m/s, s, 0 or 1]; theta is not wrapped."""
+FIT_STEP = 0.005
+"""Longest step of a roll-out [s]: `benchmarks/rollout.py` prints its error, a hundredth of a tag pose's noise."""
+WORLD_STEP = 0.002
+"""Longest step of a simulated world [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Held commands: `left[j]`, `right[j]` [1, full command] act from `time[j]` [s] until the next; zero before the first.
+
+    Arrays of shape (n,), times strictly increasing, at least one row. Rates in rad/s are divided by the maximum first.
+    """
+
+    time: FloatArray
+    left: FloatArray
+    right: FloatArray
+
+    def __post_init__(self) -> None:
+        """Copy, freeze and check."""
+        for name in ("time", "left", "right"):
+            object.__setattr__(self, name, read_only(getattr(self, name)).ravel())
+        if not self.time.size or not self.time.size == self.left.size == self.right.size:
+            raise InputError(
+                f"a drive has {self.time.size} times, {self.left.size} left and {self.right.size} right commands",
+                cure="Give one left and one right command for each time, at least one.",
+            )
+        if np.any(np.diff(self.time) <= 0.0):
+            row = int(np.argmax(np.diff(self.time) <= 0.0)) + 1
+            raise InputError(f"the command times do not increase at row {row}", cure="Sort them and drop repeats.")
+        for name in ("time", "left", "right"):
+            if not np.all(np.isfinite(getattr(self, name))):
+                raise InputError(f"a drive's {name} is not finite", cure="Drop those rows.")
+
+    def padded(self, begin: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the arrays with a row of zeros in front, so that they start before `begin` [s]."""
+        early = min(begin, self.time[0]) - 10.0
+        return np.r_[early, self.time], np.r_[0.0, self.left], np.r_[0.0, self.right]
+
+
+@cache
+def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return places, null values and flags' places of all parameters that switch an effect on."""
+    table = parameter_table()
+    flag = {name: i for i, name in enumerate(registry())}
+    rows = [(i, e.null, flag[o]) for i, (e, o) in enumerate(zip(table.entries, table.owner, strict=True)) if o and e.strength]
+    places, nulls, flags = zip(*rows, strict=True)
+    return np.array(places), np.array(nulls), np.array(flags)
+
+
+@cache
+def _needs_place() -> FloatArray:
+    """Return one flag an effect: whether its step hook reads place, heading or roll."""
+    needs = [bool(set(e.regimes) & {"place", "heading", "wheel_phase"}) and "step" in e.hooks for e in registry().values()]
+    return np.array(needs)
+
+
+def active_flags(parameters: FloatArray) -> FloatArray:
+    """Return which effects a vector (or each row of a matrix) switches on, shape (..., effects), bool."""
+    places, nulls, flags = _strengths()
+    differs = np.asarray(parameters)[..., places] != nulls
+    on = np.zeros((*differs.shape[:-1], len(registry())), dtype=bool)
+    for column, flag in enumerate(flags):
+        on[..., flag] |= differs[..., column]
+    return on
+
+
+def _start(x0: Sequence[float] | FloatArray) -> FloatArray:
+    """Return pose and twist, shape (6,), from a pose (3) or a pose with a twist (6)."""
+    start = np.zeros(6)
+    x0 = np.asarray(x0, dtype=float).ravel()
+    if x0.size not in (3, 6) or not np.all(np.isfinite(x0)):
+        raise InputError(f"the start has {x0.size} numbers, expected a finite x, y, theta and perhaps v, v_lateral, omega")
+    start[: x0.size] = x0
+    return start
+
+
+def track_at(pose_track: FloatArray | None, samples: FloatArray, parameters: FloatArray) -> FloatArray:
+    """Return place, heading and wheel angles at the sample times, shape (n, 5).
+
+    `pose_track`, shape (m, 4) or (m, 6): time [s], x, y [m], theta [rad] (not wrapped), and perhaps the wheels' angles
+    [rad]; without them the angles follow from the path by rolling without slip. Between and beyond rows: linear, held.
+    """
+    if pose_track is None:
+        return np.zeros((0, 5))
+    track = np.asarray(pose_track, dtype=float)
+    if track.ndim != 2 or track.shape[1] not in (4, 6) or len(track) < 1:
+        raise InputError(f"a track of shape {track.shape}, expected (n, 4): t, x, y, theta, or (n, 6) with wheel angles")
+    if track.shape[1] == 4:
+        track = np.column_stack([track, rolled_angles(track, parameters)])
+    return np.column_stack([np.interp(samples, track[:, 0], track[:, i]) for i in range(1, 6)])
+
+
+def rolled_angles(track: FloatArray, parameters: FloatArray) -> FloatArray:
+    """Return the wheels' angles [rad], shape (m, 2), of a path (t, x, y, theta) rolled without slip from zero."""
+    table = parameter_table()
+    axle, left, right = (parameters[table.index[n]] for n in ("axle_length", "wheel_radius_left", "wheel_radius_right"))
+    dx, dy, turn = np.diff(track[:, 1]), np.diff(track[:, 2]), np.diff(track[:, 3])
+    heading = 0.5 * (track[1:, 3] + track[:-1, 3])
+    ahead = dx * np.cos(heading) + dy * np.sin(heading)
+    steps = np.column_stack([(ahead - 0.5 * axle * turn) / left, (ahead + 0.5 * axle * turn) / right])
+    return np.vstack([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+
+
+def simulate(
+    parameters: FloatArray,
+    drive: Drive,
+    t_grid: FloatArray,
+    x0: Sequence[float] | FloatArray,
+    pose_track: FloatArray | None = None,
+    dt: float = FIT_STEP,
+) -> FloatArray:
+    """Return the robot's states at the sample times `t_grid` [s], shape (n, 12), columns `COLUMNS`.
+
+    Parameters
+    ----------
+    parameters : array, shape (p,)
+        See `parameters`; not checked against bounds (a fit may step over one for a moment).
+    drive : Drive
+        Commands on the robot's clock.
+    t_grid : array, shape (n,)
+        Strictly increasing.
+    x0 : sequence
+        Pose at `t_grid[0]`, at rest; or pose and twist (v, v_lateral, omega).
+    pose_track : array, optional
+        See `track_at`: stands in for the simulated pose where an effect asks for place, heading or wheel phase.
+    dt : float
+        Longest step [s]; the effective one divides each interval.
+    """
+    return simulate_many(np.asarray(parameters, dtype=float)[None], drive, t_grid, x0, pose_track, dt)[0]
+
+
+def simulate_many(
+    parameters: FloatArray,
+    drive: Drive,
+    t_grid: FloatArray,
+    x0: Sequence[float] | FloatArray,
+    pose_track: FloatArray | None = None,
+    dt: float = FIT_STEP,
+) -> FloatArray:
+    """Return the states of every row of `parameters`, shape (k, p), as `simulate` does; result of shape (k, n, 12)."""
+    matrix = np.ascontiguousarray(parameters, dtype=float)
+    samples = np.ascontiguousarray(t_grid, dtype=float)
+    if not dt > 0.0:
+        raise InputError(f"the step is {dt} s, expected a positive number")
+    on = active_flags(matrix)
+    track = track_at(pose_track, samples, matrix[0])
+    looks = np.where((on & _needs_place()).any(axis=1), 2 if len(track) else 1, 0)
+    starts = np.tile(_start(x0), (len(matrix), 1))
+    out = np.empty((len(matrix), samples.size, OUTPUTS))
+    times, left, right = drive.padded(samples[0])
+    kernel().run_many(matrix, on, memory_places()[1], looks, times, left, right, samples, starts, track, dt, out)
+    return out

@@ -1,0 +1,87 @@
+"""Names of the numbers that one integration step works on: the state `S` and the workbench `W`.
+
+Both are flat arrays of float64, because that is what compiled code passes around for nothing. An effect's hook reads
+and changes entries of `W` (and its own memory at the end of `S`) by these names. Pairs are left then right, so that
+`W[TARGET + side]` with side 0 (left) or 1 (right) works. Frames and units are those of `fsm_calib.types`.
+"""
+
+from __future__ import annotations
+
+# ---- S: the state of the robot -------------------------------------------------------------------------------------
+X, Y, THETA = 0, 1, 2
+"""Pose of `base` (axle centre) in `world` [m, m, rad]; theta is not wrapped."""
+V, L, OMEGA = 3, 4, 5
+"""Velocity of the axle centre, forward and left in `base` [m/s], and yaw rate [rad/s]."""
+ANGLE = 6
+"""Angles of the wheels, left and right [rad] (slots 6, 7)."""
+RIM = 8
+"""Speed of the rims relative to the axle [m/s] (slots 8, 9): what an encoder's rate times the radius would read."""
+TIME = 10
+"""Time since the start of the roll-out [s]."""
+HEADING_COS, HEADING_SIN = 11, 12
+"""Cosine and sine of theta, carried along because they are what a step needs."""
+MEMORY = 13
+"""First slot of the effects' memories."""
+
+# ---- W: the workbench of one step ----------------------------------------------------------------------------------
+STEP = 0
+"""Length of the step [s]."""
+COMMAND = 1
+"""Shaped commands, mean over the step [1] (1, 2)."""
+TARGET = 3
+"""No-load rim speed that the motors strive for [m/s] (3, 4)."""
+DRIVE = 5
+"""Slope of the motors' torque-speed line at the rim [N s/m] (5, 6)."""
+DRY = 7
+"""Dry friction that resists a turning wheel, at the rim [N] (7, 8)."""
+GRIP = 9
+"""Largest force that a tyre can pass, friction coefficient times wheel load [N] (9, 10)."""
+SLIP_SPEED = 11
+"""Slip speed at which a tyre passes 1/sqrt(2) of its grip [m/s]."""
+SIDE_COMPLIANCE = 12
+"""Additional compliance of the tyres sideways [s m/N]: slip speed per force."""
+FORCE_X, FORCE_Y, MOMENT = 13, 14, 15
+"""Forces along the axes of `base` [N] and the moment about the axle centre [N m]."""
+DAMP = 16
+"""Damping of (V, L, OMEGA), symmetric: xx, xy, xt, yy, yt, tt (16 to 21) [N s/m, N s, N m s]."""
+MASS, INERTIA = 22, 23
+"""Mass [kg] and yaw inertia about the centre of mass [kg m2]."""
+COM_X, COM_Y = 24, 25
+"""Centre of mass in `base` [m]."""
+PLACE_X, PLACE_Y, COS, SIN = 26, 27, 28, 29
+"""Where the robot is for effects that depend on place or heading: measured when a track is given, else simulated."""
+ROLL = 30
+"""Angles of the wheels for effects that depend on them [rad] (30, 31): from the track when given, else simulated."""
+HALF_AXLE = 32
+"""Half the distance between the wheels [m]."""
+RADIUS = 33
+"""Radii of the wheels [m] (33, 34)."""
+SLIP_STIFFNESS = 35
+"""Secant stiffness of the tyres in this step, force per slip speed [N s/m] (35, 36)."""
+LINE_FORCE, LINE_SLOPE = 37, 39
+"""The wheel as the body feels it: force along = force (37, 38) [N] - slope (39, 40) [N s/m] times its ground speed."""
+NEXT = 41
+"""State after the step: x, y, theta, v, l, omega (41 to 46)."""
+MEAN_VX, MEAN_VY, MEAN_OMEGA = 47, 48, 49
+"""Mean velocity of the centre of mass in `world` [m/s] and mean yaw rate [rad/s] over the step."""
+NEXT_VX, NEXT_VY = 50, 51
+"""Velocity of the centre of mass in `world` after the step [m/s]."""
+LOAD = 52
+"""Wheel loads [N] (52, 53)."""
+NEXT_COS, NEXT_SIN = 54, 55
+"""Cosine and sine of the heading after the step."""
+RIM_TARGET, RIM_SHARE = 56, 58
+"""The rim's speed = target (56, 57) [m/s] - share (58, 59) [m/(N s)] times the force along."""
+BENCH_SIZE = 60
+
+# ---- constants of the world ----------------------------------------------------------------------------------------
+GRAVITY = 9.80665
+"""Standard gravity [m/s2] (CGPM 1901)."""
+CASTER_ARM = 0.083
+"""Distance of the caster's pivot behind the axle [m] (Duckietown URDF, duckiebot.urdf.xacro, DB18)."""
+CREEP_SPEED = 1e-3
+"""Speed below which dry friction on the body acts like a stiff damper [m/s]: a fifth of what tag poses can see in 1 s."""
+CREEP_RATE = 1e-2
+"""The same for turning [rad/s]: the creep speed at a tenth of a metre."""
+EDGE = 0.01
+"""Softness of the edges of places on the floor [m]: half the width of a wheel's contact (assumed)."""
