@@ -1,0 +1,148 @@
+"""Where the camera sits on the robot, from one image of a board flat on the floor, and the homography of the floor.
+
+Duckietown's board lies ahead of the robot with its rows across: the offset (x, y) [m] from the robot's origin (centre
+of the axle on the floor) to the board's near right corner, the outer corner of its outermost square; columns run
+along x, rows along y. The homography maps rectified pixels to the floor: (x, y, 1) ~ H (u, v, 1), metres.
+Sources: duckietown/dt-core image_processing and lib-dt-computer-vision boards.py (offsets, origin); the rule
+H[1][2] > 0 = corrupt from calibration_utils.py.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from fsm_calib.errors import DataError
+from fsm_calib.perception.board_order import half_turned
+from fsm_calib.perception.bundle import fit
+from fsm_calib.perception.chessboard import inspect_board
+from fsm_calib.perception.free_boards import FreeBoards, start_poses
+from fsm_calib.perception.lens import intrinsics_vector
+from fsm_calib.perception.rotations import base_from_camera, mount_from_pose
+from fsm_calib.types import BoardSpec, BoardView, CameraModel, CameraMount, FloatArray
+
+_LARGEST_RMS_PX = 3.0  # a board that fits worse is not flat, or the camera file is another camera's
+FLOOR_BOARD_OFFSET = (0.16, -0.124)  # m; lib-dt-computer-vision boards.py, the A3 board of 8x6 squares
+
+
+@dataclass(frozen=True, eq=False)
+class Extrinsics:
+    """The mount, the floor homography (3, 3) of rectified pixels, the fit's rms [px], and the axis's reach [m].
+
+    axis_reach : where the optical axis (the principal point) meets the floor, ahead of the axle [m].
+    """
+
+    mount: CameraMount
+    homography: FloatArray
+    rms_px: float
+    axis_reach: float
+
+
+def board_points_base(board: BoardSpec, offset: tuple[float, float] = FLOOR_BOARD_OFFSET) -> FloatArray:
+    """Return the inner corners of a floor board in `base`, shape (rows * columns, 3) [m].
+
+    The first corner is the far left one; rows run to the right (-y), so that the robot reads the board upright.
+    """
+    points = board.points_board()
+    near, right = offset[0] + board.square, offset[1] + board.square
+    base = np.zeros_like(points)
+    base[:, 0] = near + (board.rows - 1) * board.square - points[:, 1]
+    base[:, 1] = right + (board.columns - 1) * board.square - points[:, 0]
+    return base
+
+
+def calibrate_extrinsics(
+    image: NDArray[np.uint8],
+    board: BoardSpec,
+    camera: CameraModel,
+    offset: tuple[float, float] = FLOOR_BOARD_OFFSET,
+    projection: FloatArray | None = None,
+) -> Extrinsics:
+    """Return mount and floor homography from one image of a board flat on the floor.
+
+    Parameters
+    ----------
+    image : array, uint8, grey or BGR, not rectified
+    board : BoardSpec
+        Columns across the robot, rows ahead of it.
+    camera : CameraModel
+    offset : (x, y) [m]
+        Robot's origin to the board's near right corner.
+    projection : array, shape (3, 3), optional
+        Camera matrix of the rectified image (P of the camera file); the camera's own matrix when missing.
+
+    Raises
+    ------
+    DataError
+        No board in the image, or it does not fit a floor.
+    """
+    finding = inspect_board(image, board)
+    if finding.view is None:
+        raise DataError(finding.refusal, cure="Lay the board flat ahead of the robot, whole in the image and well lit.")
+    return extrinsics_of(finding.view, board, camera, offset, projection)
+
+
+def extrinsics_of(
+    view: BoardView,
+    board: BoardSpec,
+    camera: CameraModel,
+    offset: tuple[float, float] = FLOOR_BOARD_OFFSET,
+    projection: FloatArray | None = None,
+) -> Extrinsics:
+    """Return mount and floor homography from the corners of a board flat on the floor; see `calibrate_extrinsics`."""
+    fits = [_fit(corners, board, camera, offset) for corners in (view.corners_image, half_turned(view.corners_image))]
+    upright = [(mount, rms) for mount, rms in fits if mount.height > 0.0 and abs(mount.yaw) < np.pi / 2.0]
+    if not upright or min(rms for _, rms in upright) > _LARGEST_RMS_PX:
+        raise DataError(
+            f"the board does not lie on the floor ahead of the robot (best fit {min(rms for _, rms in fits):.1f} px)",
+            cure="Check the camera file, the board's size and its offset.",
+        )
+    mount, rms = min(upright, key=lambda found: found[1])
+    homography = floor_homography(mount, camera.matrix if projection is None else projection)
+    reach = homography @ _principal(camera, projection)
+    return Extrinsics(mount, homography, rms, float(reach[0] / reach[2]))
+
+
+def _fit(
+    corners: FloatArray, board: BoardSpec, camera: CameraModel, offset: tuple[float, float]
+) -> tuple[CameraMount, float]:
+    """Return the mount that explains the corners, and the fit's rms [px]."""
+    points = board_points_base(board, offset)
+    middle = points.mean(axis=0)
+    problem = FreeBoards(corners[None], points - middle)
+    start = start_poses(intrinsics_vector(camera), corners[None], points - middle)
+    solution = fit(problem, start, np.ones(12, dtype=bool), np.ones((1, len(points))))
+    rotation = solution.state.rotation[0].T
+    position = middle - rotation @ solution.state.shift[0]
+    return mount_from_pose(rotation, position), float(np.sqrt(2.0 * np.mean(solution.residual**2)))
+
+
+def floor_homography(mount: CameraMount, projection: FloatArray) -> FloatArray:
+    """Return the homography (3, 3) from rectified pixels to the floor [m], scaled so that its last entry is 1."""
+    rotation, position = base_from_camera(mount)
+    camera_from_base = rotation.T
+    shift = -camera_from_base @ position
+    image_from_floor = projection[:3, :3] @ np.column_stack([camera_from_base[:, 0], camera_from_base[:, 1], shift])
+    homography = np.linalg.inv(image_from_floor)
+    return np.asarray(homography / homography[2, 2])
+
+
+def is_corrupt(homography: FloatArray) -> bool:
+    """Tell whether Duckietown's software would refuse the homography: H[1][2] > 0 (a board read upside down)."""
+    return bool(homography[1, 2] > 0.0)
+
+
+def _principal(camera: CameraModel, projection: FloatArray | None) -> FloatArray:
+    matrix = camera.matrix if projection is None else projection
+    return np.array([matrix[0, 2], matrix[1, 2], 1.0])
+
+
+def rectified_matrix(camera: CameraModel) -> FloatArray:
+    """Return the camera matrix (3, 3) [px] of the rectified image that shows no black border (ROS's alpha 0)."""
+    matrix, _ = cv2.getOptimalNewCameraMatrix(
+        camera.matrix, camera.distortion, (camera.width, camera.height), 0.0, (camera.width, camera.height)
+    )
+    return np.asarray(matrix, dtype=float)

@@ -1,0 +1,203 @@
+"""What a view adds while the robot scans, when to stop, and what to say when the boards cannot give more.
+
+The information S about the intrinsics (8 of the 12 are free while scanning: f, c, k1, k2, p1, p2) is a sum over
+views, so the predicted error over the image after one more view costs one 8x8 inverse::
+
+    predicted^2 = s^2 trace(A (S + S_v)^-1 A') / grid points
+
+with s the noise of a corner coordinate [px] and A from `prediction`. The stop rule (0.5 px twice in a row, every board
+seen in 8 views, 15 views in all) left a true error of 0.28 px in the median and 0.71 px at worst over 120 simulated
+scans. Sources: Peng and Sturm, Calibration Wizard, ICCV 2019 (next best view by covariance); mrcal (uncertainty).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fsm_calib.perception.bundle import BundleSettings, Prior, fit, normal_equations
+from fsm_calib.perception.fleet_camera import FLEET_DEVIATION, fleet_start
+from fsm_calib.perception.free_boards import BoardPoses, FreeBoards, start_poses
+from fsm_calib.perception.lens import camera_model, intrinsics_vector
+from fsm_calib.perception.prediction import GRID, ImageError, predicted_error, sensitivity
+from fsm_calib.perception.stages import held_intrinsics
+from fsm_calib.types import BoardSpec, BoardView, CameraModel, FloatArray
+
+_FREE = np.nonzero(~held_intrinsics(4))[0]
+_FLEET_WIDTHS = 3.0  # the fleet's spread, this many times wider, guards a scan's first solves
+_QUICK_FIT = BundleSettings(most_steps=10, smallest_gain=1e-3)
+_FIRST_NOISE_PX = 0.2  # of a corner coordinate before the scan has measured its own
+
+
+@dataclass(frozen=True, slots=True)
+class StopRule:
+    """When a scan has seen enough.
+
+    Parameters
+    ----------
+    predicted_px : float
+        Largest predicted error over the image [px].
+    times_in_a_row : int
+        Evaluations in a row that must reach it.
+    views_per_board : int
+        Fewest views of every board.
+    views : int
+        Fewest views in all.
+    smallest_gain : float
+        A view is accepted when it lowers the predicted error by this share [1] (or its board lacks views).
+    """
+
+    predicted_px: float = 0.5
+    times_in_a_row: int = 2
+    views_per_board: int = 8
+    views: int = 15
+    smallest_gain: float = 0.005
+
+
+DEFAULT_STOP = StopRule()
+
+
+@dataclass(frozen=True, eq=False)
+class ScanProgress:
+    """What a scan knows so far.
+
+    camera : CameraModel; information : (12, 12) about the intrinsics, in 1/px^2 of unit noise; noise_px : noise of a
+    corner coordinate [px]; predicted : error over the image; views : accepted; views_per_board; rms_px : of the last
+    solve [px].
+    """
+
+    camera: CameraModel
+    information: FloatArray
+    noise_px: float
+    predicted: ImageError
+    views: int
+    views_per_board: tuple[int, ...]
+    rms_px: float = float("nan")
+
+    @property
+    def predicted_px(self) -> float:
+        """Predicted error over the image, "al" [px]."""
+        return self.predicted.rms
+
+
+def begin_scan(image_size: tuple[int, int], boards: int, guess: CameraModel | None = None) -> ScanProgress:
+    """Return the progress before the first view: the fleet's median camera, known as well as the fleet is."""
+    start = fleet_start(image_size) if guess is None else intrinsics_vector(guess)
+    prior = np.diag((_FIRST_NOISE_PX / _prior(start, image_size).deviation) ** 2)
+    return _progress(start, prior, _FIRST_NOISE_PX, image_size, (0,) * boards, float("nan"))
+
+
+def solve_scan(
+    views: Sequence[BoardView], board: BoardSpec, progress: ScanProgress, *, boards: int | None = None
+) -> ScanProgress:
+    """Return the progress after a solve with all `views`, started from the last camera: about 20 ms for 60 views."""
+    image_size = (progress.camera.width, progress.camera.height)
+    count = len(progress.views_per_board) if boards is None else boards
+    per_board = tuple(sum(view.board == number for view in views) for number in range(count))
+    if not views:
+        return replace(progress, views=0, views_per_board=per_board)
+    corners = np.stack([view.corners_image for view in views])
+    problem = FreeBoards(corners, board.points_board())
+    start = start_poses(intrinsics_vector(progress.camera), corners, board.points_board())
+    prior = _prior(fleet_start(image_size), image_size)
+    kept = np.ones(corners.shape[:2])
+    solution = fit(problem, start, held_intrinsics(4), kept, _QUICK_FIT, prior)
+    weights = np.repeat(solution.weights, 2, axis=1)
+    freedom = max(weights.size - 6 * len(views) - _FREE.size, 1)
+    noise = float(np.sqrt(np.sum(weights * solution.residual**2) / freedom))
+    rms = float(np.sqrt(2.0 * np.mean(solution.residual**2)))
+    return _progress(solution.state.intrinsics, solution.normal.information, noise, image_size, per_board, rms)
+
+
+def view_information(view: BoardView, board: BoardSpec, camera: CameraModel) -> FloatArray:
+    """Return what one view says about the intrinsics, its own pose eliminated, shape (12, 12) [1/px^2]."""
+    intrinsics, corners = intrinsics_vector(camera), view.corners_image[None]
+    problem = FreeBoards(corners, board.points_board())
+    pose: BoardPoses = start_poses(intrinsics, corners, board.points_board())
+    return normal_equations(problem.linearize(pose), np.ones(corners.shape[:2])).information
+
+
+def view_gain(view: BoardView, board: BoardSpec, progress: ScanProgress) -> float:
+    """Return by which share [1] the view would lower the predicted error, in [0, 1)."""
+    after = _predicted(
+        intrinsics_vector(progress.camera),
+        progress.information + view_information(view, board, progress.camera),
+        progress.noise_px,
+        (progress.camera.width, progress.camera.height),
+    )
+    return max(0.0, 1.0 - after.rms / max(progress.predicted_px, 1e-12))
+
+
+def with_view(view: BoardView, board: BoardSpec, progress: ScanProgress) -> ScanProgress:
+    """Return the progress with one more view, without solving again."""
+    per_board = list(progress.views_per_board) + [0] * (view.board + 1 - len(progress.views_per_board))
+    per_board[view.board] += 1
+    return _progress(
+        intrinsics_vector(progress.camera),
+        progress.information + view_information(view, board, progress.camera),
+        progress.noise_px,
+        (progress.camera.width, progress.camera.height),
+        tuple(per_board),
+        progress.rms_px,
+    )
+
+
+def is_worth_keeping(view: BoardView, board: BoardSpec, progress: ScanProgress, rule: StopRule = DEFAULT_STOP) -> bool:
+    """Tell whether a view adds enough, or its board has fewer views than the rule asks for."""
+    seen = progress.views_per_board[view.board] if view.board < len(progress.views_per_board) else 0
+    return seen < rule.views_per_board or view_gain(view, board, progress) >= rule.smallest_gain
+
+
+def is_enough(history: Sequence[float], views_per_board: Sequence[int], rule: StopRule = DEFAULT_STOP) -> bool:
+    """Tell whether the scan may stop: `history` holds the predicted errors of the evaluations so far [px]."""
+    last = list(history)[-rule.times_in_a_row :]
+    is_precise = len(last) == rule.times_in_a_row and max(last) <= rule.predicted_px
+    is_seen = all(count >= rule.views_per_board for count in views_per_board)
+    return is_precise and is_seen and sum(views_per_board) >= rule.views
+
+
+def weakest_region(error: ImageError) -> str:
+    """Return the name of the ninth of the image whose predicted error is largest, such as "bottom left"."""
+    rows, columns = np.array_split(np.arange(GRID[1]), 3), np.array_split(np.arange(GRID[0]), 3)
+    worst = max(
+        ((i, j) for i in range(3) for j in range(3)),
+        key=lambda cell: float(np.mean(error.grid[np.ix_(rows[cell[0]], columns[cell[1]])] ** 2)),
+    )
+    name = f"{('top', 'middle', 'bottom')[worst[0]]} {('left', 'centre', 'right')[worst[1]]}"
+    return "centre" if name == "middle centre" else name
+
+
+def advice(error: ImageError, rule: StopRule = DEFAULT_STOP) -> str:
+    """Return what to do about boards that cannot reach the wanted precision, in one sentence."""
+    region = weakest_region(error)
+    weakness = f"The image is least certain at the {region} ({error.max:.1f} px); {rule.predicted_px:.1f} px was wanted."
+    if region.startswith("bottom"):
+        return f"{weakness} Lay a board flat on the floor close ahead of the robot: only it reaches the lower image."
+    return f"{weakness} Lean one board back by 20 to 40 degrees, turn another by 30, and put one nearer."
+
+
+def _prior(mean: FloatArray, image_size: tuple[int, int]) -> Prior:
+    """Return the fleet's spread, widened, as a prior that only guards: it changes a finished scan by under 2 %."""
+    deviation = FLEET_DEVIATION * _FLEET_WIDTHS
+    deviation[:4] *= image_size[0] / 640.0
+    deviation[8:] = np.inf
+    return Prior(mean, deviation)
+
+
+def _predicted(
+    intrinsics: FloatArray, information: FloatArray, noise_px: float, image_size: tuple[int, int]
+) -> ImageError:
+    covariance = np.zeros((12, 12))
+    covariance[np.ix_(_FREE, _FREE)] = np.linalg.pinv(information[np.ix_(_FREE, _FREE)], hermitian=True)
+    return predicted_error(sensitivity(intrinsics, image_size), covariance * noise_px**2)
+
+
+def _progress(
+    intrinsics: FloatArray, information: FloatArray, noise_px: float, image_size: tuple[int, int],
+    per_board: tuple[int, ...], rms_px: float,
+) -> ScanProgress:  # fmt: skip
+    predicted = _predicted(intrinsics, information, noise_px, image_size)
+    camera = camera_model(intrinsics, image_size)
+    return ScanProgress(camera, information, noise_px, predicted, sum(per_board), per_board, rms_px)
