@@ -1,0 +1,70 @@
+"""What can go wrong in a run, each as a frozen value with the time from which it acts [s]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from fsm_calib.world2d.scene import Wall
+
+
+@dataclass(frozen=True, slots=True)
+class DeadWheel:
+    """One motor gets no current any more; its wheel is dragged along."""
+
+    side: Literal["left", "right"]
+    at: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class FrozenFrames:
+    """The camera hands out the same picture again and again."""
+
+    at: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class DroppedFrames:
+    """The camera hands out nothing, for a share of the frames [1]."""
+
+    at: float = 0.0
+    share: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class MissingBoard:
+    """A board is taken away; `board` counts as in the scene."""
+
+    board: int = 0
+    at: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class MissingMarkers:
+    """Markers of the field are taken away: those numbers, or all of them."""
+
+    numbers: tuple[int, ...] | None = None
+    at: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """A wall is put up."""
+
+    wall: Wall
+    at: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class BlurredCamera:
+    """The lens is knocked out of focus: the blur's standard deviation [px]."""
+
+    defocus: float = 4.0
+    at: float = 0.0
+
+
+Fault = DeadWheel | FrozenFrames | DroppedFrames | MissingBoard | MissingMarkers | Obstacle | BlurredCamera
+"""Any of them."""
+
+SCENE_FAULTS = (MissingBoard, MissingMarkers, Obstacle)
+"""Those that change what stands in the area."""
