@@ -55,8 +55,8 @@ class Gallery:
     directory : Path
         The run's directory.
     most : int
-        Frames kept of one phase; twice as many are collected, then every second one is dropped, so that the kept ones
-        are spread over the phase however long it lasts.
+        Frames kept of one phase; twice as many are collected, then every second one is dropped, so that the
+        kept ones are spread over the phase however long it lasts.
     pictures : list of Picture
         Those kept before the run was resumed.
     """

@@ -1,0 +1,111 @@
+"""One self-contained HTML page that tells a run: opens offline, from the summary down to every setting."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from fsm_calib.errors import DataError
+from fsm_calib.perception.calibration import CameraCalibration
+from fsm_calib.perception.intrinsics import calibrate
+from fsm_calib.report import run_camera, run_plan, run_timeline, run_wheels
+from fsm_calib.report.run_record import RunRecord
+
+TEMPLATE = "run.html.j2"
+FEWEST_VIEWS = 3
+"""Fewer views of boards than this give no picture of the camera's fit."""
+
+
+@dataclass(frozen=True)
+class Card:
+    """A figure at the top of the page: name, value, a remark, and whether it is good (None: neither)."""
+
+    name: str
+    value: str
+    remark: str = ""
+    good: bool | None = None
+
+
+def run_report(record: RunRecord) -> str:
+    """Return the report of a run as HTML."""
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    template = environment.from_string(files("fsm_calib.report").joinpath(TEMPLATE).read_text("utf-8"))
+    return template.render(
+        record=record,
+        result=record.result,
+        cards=cards(record.result),
+        figures=_figures(record),
+        pictures=[(picture, Markup(record.data_url(picture))) for picture in record.pictures],
+        settings={name: rows(values) for name, values in record.settings.items()},
+    )
+
+
+def _figures(record: RunRecord) -> dict[str, Markup]:
+    """Return the figures that this run has something to show in, by name."""
+    drawn: dict[str, str] = {}
+    if len(record.track):
+        drawn["plan"] = run_plan.floor_plan(record)
+    if record.spans:
+        drawn["timeline"] = run_timeline.time_line(record)
+    if record.notebook.views:
+        drawn["coverage"] = run_camera.coverage(record)
+    calibration = _calibration(record)
+    if calibration is not None:
+        drawn["reprojection"] = run_camera.reprojection(calibration)
+        drawn["predicted"] = run_camera.predicted_error(calibration)
+    if len(record.notebook.ratio_history) > 1:
+        drawn["ratio"] = run_wheels.ratio_history(record)
+    if record.paths:
+        drawn["drives"] = run_wheels.test_drives(record)
+    return {name: Markup(text) for name, text in drawn.items()}
+
+
+def _calibration(record: RunRecord) -> CameraCalibration | None:
+    """Return the fit of the kept views, for its residuals; None when they give no camera."""
+    views = record.notebook.views
+    if record.notebook.camera is None or len(views) < FEWEST_VIEWS:
+        return None
+    try:
+        return calibrate(views, record.board, record.notebook.image_size, guess=record.notebook.camera)
+    except DataError:
+        return None
+
+
+def cards(result: Mapping[str, Any]) -> list[Card]:
+    """Return the figures at the top of the page."""
+    found = [Card("outcome", str(result["outcome"]).replace("_", " "), good=result["outcome"] == "done")]
+    camera, wheels, lane = (result.get(name) or {} for name in ("camera", "wheels", "in_lane"))
+    if camera.get("true_px") is not None:
+        remark = f"rms {camera['rms_px']:.3f} px, {camera['views_used']} views"
+        found.append(Card("camera error", f"{camera['true_px']:.2f} px", remark, camera["true_px"] <= 0.6))
+    if wheels.get("wheel_ratio") is not None:
+        remark = f"true {wheels['true_wheel_ratio']:.4f}, {wheels['iterations']} iterations"
+        found.append(Card("wheel ratio k", f"{wheels['wheel_ratio']:.4f}", remark))
+    if wheels.get("deviation_2m_m") is not None:
+        deviation = wheels["deviation_2m_m"]
+        found.append(Card("after 2 m", f"{100 * deviation:+.1f} cm", "limit 10 cm", abs(deviation) <= 0.10))
+    if lane.get("deviation_after_m") is not None:
+        remark = f"before the lane {100 * lane['deviation_before_m']:+.1f} cm"
+        found.append(Card("after 2 m, refined", f"{100 * lane['deviation_after_m']:+.1f} cm", remark))
+    seconds = result["seconds"]
+    remark = f"computed in {seconds['wall']:.1f} s"
+    return [*found, Card("robot time", f"{seconds['simulated']:.0f} s", remark)]
+
+
+def rows(values: Any, prefix: str = "") -> list[tuple[str, str]]:
+    """Return nested settings as (dotted name, text) rows."""
+    if dataclasses.is_dataclass(values) and not isinstance(values, type):
+        values = {field.name: getattr(values, field.name) for field in dataclasses.fields(values)}
+    if isinstance(values, Mapping):
+        nested = [rows(value, f"{prefix}.{name}" if prefix else str(name)) for name, value in values.items()]
+        return [row for group in nested for row in group]
+    if isinstance(values, list | tuple) and values and not isinstance(values[0], str | int | float):
+        nested = [rows(value, f"{prefix}[{number}]") for number, value in enumerate(values)]
+        return [row for group in nested for row in group]
+    return [(prefix, f"{values:.6g}" if isinstance(values, float) else str(values))]

@@ -1,0 +1,70 @@
+"""How the figures of the run report look: one palette, one type size, vector graphics in the page."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib
+from matplotlib.figure import Figure
+
+PHASE_COLOURS = {
+    "focus": "#8c6bb1",
+    "scan": "#2b7bba",
+    "orientation": "#e08214",
+    "wheels": "#2a9d5c",
+    "exit": "#c2428a",
+    "lane": "#b8860b",
+    "between": "#9aa0a6",
+    "failed": "#d73027",
+    "aborted": "#d73027",
+    "done": "#555555",
+}
+"""One colour for each phase, the same in every figure, told apart also without seeing red and green."""
+
+BOARD_COLOURS = ("#2b7bba", "#e08214", "#2a9d5c", "#c2428a", "#8c6bb1", "#b8860b")
+"""One colour for each board, in turn."""
+
+STYLE: Any = {
+    "font.size": 9.0,
+    "font.family": "sans-serif",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#777777",
+    "axes.labelcolor": "#333333",
+    "xtick.color": "#555555",
+    "ytick.color": "#555555",
+    "axes.titlesize": 10.0,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "legend.frameon": False,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "fsm_calib",
+    "figure.dpi": 100.0,
+    "path.simplify": True,
+}
+"""Settings of matplotlib; a fixed salt and no date make the same run give the same picture."""
+
+
+@contextmanager
+def figure(width: float, height: float) -> Iterator[Figure]:
+    """Yield an empty figure of `width` x `height` [inch] in the report's style."""
+    with matplotlib.rc_context(STYLE):
+        yield Figure(figsize=(width, height), layout="constrained")
+
+
+def svg(fig: Figure, label: str) -> str:
+    """Return the figure as an SVG element that scales with the page; `label` tells what it shows."""
+    buffer = io.StringIO()
+    fig.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
+    text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
+    prefix = re.sub(r"\W+", "-", label.lower())
+    text = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', text)
+    text = re.sub(r'(href="|url\()#([^")]+)', rf"\1#{prefix}-\2", text)
+    return text.replace("<svg", f'<svg role="img" aria-label="{label}"', 1)
