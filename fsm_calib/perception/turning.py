@@ -1,9 +1,10 @@
 """How far a robot turned between two images, from their pixels alone, with no calibrated camera.
 
-Each image is resampled to a small panorama: rows of equal elevation, columns of equal azimuth, through the fleet's
-median camera and mount. A turn about the vertical shifts the panorama sideways; the shift with the smallest mean
-squared difference is the turn. Accuracy about 0.3 deg, and 5 % of the turn for a camera at the edge of the fleet:
-enough to see that a wheel moves, and to choose the next step's size; never used as a measurement.
+Each image is resampled to a small panorama: rows of equal elevation, columns of equal azimuth, through the
+fleet's median camera and mount. A turn about the vertical shifts the panorama sideways; the shift with the
+smallest mean squared difference is the turn. Accuracy about 0.3 deg, and 5 % of the turn for a camera at the
+edge of the fleet: enough to see that a wheel moves, and to choose the next step's size; never used as a
+measurement.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ LARGEST_TURN = math.radians(24.0)
 class Turn:
     """A turn between two images.
 
-    angle : counter-clockwise positive [rad]; likeness : 1 - cost / cost without a shift [1], 0 when no shift explains
-    the change; change : rms difference of the panoramas without a shift [grey levels].
+    angle : counter-clockwise positive [rad]; likeness : 1 - cost / cost without a shift [1], 0 when no shift
+    explains the change; change : rms difference of the panoramas without a shift [grey levels].
     """
 
     angle: float
@@ -45,15 +46,17 @@ def panorama(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Return the panorama of a grey or BGR image, shape (24, 385), uint8; column 0 is 48 deg to the left."""
     gray = as_gray(image)
     maps = _maps(gray.shape[1] / FLEET_SIZE[0], gray.shape[0] / FLEET_SIZE[1])
-    small = cv2.remap(cv2.blur(gray, (3, 3)), *maps, interpolation=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    small = cv2.remap(
+        cv2.blur(gray, (3, 3)), *maps, interpolation=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )
     return np.asarray(small, dtype=np.uint8)
 
 
 def turn_between(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> Turn:
     """Return the turn from panorama `before` to panorama `after`.
 
-    Minimises over the shift s [columns] the mean of (after(c + s) - before(c))^2 over the common columns, each panorama
-    freed of its rows' means; a parabola through the three best shifts gives the fraction.
+    Minimises over the shift s [columns] the mean of (after(c + s) - before(c))^2 over the common columns,
+    each panorama freed of its rows' means; a parabola through the three best shifts gives the fraction.
     """
     first, second = (item.astype(np.float32) - item.mean(axis=1, keepdims=True) for item in (before, after))
     reach = round(LARGEST_TURN / COLUMN)
@@ -66,7 +69,9 @@ def turn_between(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> Turn:
 
 
 def _cost(first: NDArray[np.float32], second: NDArray[np.float32], shift: int) -> float:
-    """Return the mean squared difference when the world moved `shift` columns to the right (a turn to the left)."""
+    """Return the mean squared difference when the world moved `shift` columns to the right (a turn to the
+    left).
+    """
     width = first.shape[1]
     if shift >= 0:
         gap = second[:, shift:] - first[:, : width - shift]

@@ -1,0 +1,105 @@
+"""Find the lane and follow it until the marked section begins (paper, section 5.2)."""
+
+from __future__ import annotations
+
+import math
+
+from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.leaving import speed_of
+from fsm_calib.actions.looking import look
+from fsm_calib.actions.markers import camera_of, tags_in
+from fsm_calib.actions.moving import CLOCKWISE
+from fsm_calib.actions.turning import turn_step
+from fsm_calib.outcome import Outcome
+from fsm_calib.perception.lane import observe_lane
+from fsm_calib.types import STOP, Frame, LanePose, TagObservation, WheelCommand
+
+
+def seek_lane(bench: Bench) -> Outcome:
+    """Turn one step clockwise, into right-hand traffic, and look for the lane."""
+    step = turn_step(bench, CLOCKWISE, bench.settings.lane.seek_step)
+    if isinstance(step, Outcome):
+        return step
+    turned = {"turned": round(step.turned, 5)}
+    pose = _lane_in(bench, step.frame)
+    if pose is None or abs(pose.phi) > bench.settings.lane.largest_phi:
+        return _missed(turned)
+    bench.notebook.lane_integral, bench.notebook.lane_side = 0.0, pose.d
+    evidence = {**turned, "d": pose.d, "phi": pose.phi}
+    return Outcome(
+        "lane_seen", evidence, f"The lane is in sight, {math.degrees(pose.phi):.0f} deg to the robot."
+    )
+
+
+def follow_lane(bench: Bench) -> Outcome:
+    """Follow the lane for one stretch; stop when the lane is lost or the reserved marker is near.
+
+    The wheels keep their last command between two stretches.
+    """
+    settings, pose = bench.settings.lane, None
+    for _ in range(settings.looks):
+        frame = look(bench)
+        if isinstance(frame, Outcome):
+            bench.robot.command(STOP)
+            return frame
+        first = _first_marker(bench, tags_in(bench, frame))
+        if first is not None:
+            return _arrive(bench, first)
+        pose = _lane_in(bench, frame)
+        if pose is None:
+            bench.robot.command(STOP)
+            bench.robot.wait(bench.settings.drive.settle)
+            return _missed({"turned": 0.0})
+        bench.robot.command(lane_command(bench, pose))
+        bench.robot.wait(settings.period)
+    evidence = {"d": pose.d, "phi": pose.phi} if pose is not None else {}
+    return Outcome("lane_followed", evidence, "One more stretch in the lane.")
+
+
+def lane_command(bench: Bench, pose: LanePose) -> WheelCommand:
+    """Return the wheel commands of the lane controller (Duckietown's, proportional-integral in d,
+    proportional in phi).
+
+    omega = k_d d + k_phi phi + k_integral int d [rad/s]; the wheels get c (1 -+ omega L / (2 v)), the right
+    one times k. The integral begins anew when d changes its sign.
+    """
+    settings, notebook = bench.settings.lane, bench.notebook
+    if pose.d * notebook.lane_side < 0.0:
+        notebook.lane_integral = 0.0
+    bound = settings.largest_integral
+    notebook.lane_integral = min(max(notebook.lane_integral + pose.d * settings.period, -bound), bound)
+    notebook.lane_side = pose.d
+    omega = settings.k_d * pose.d + settings.k_phi * pose.phi + settings.k_integral * notebook.lane_integral
+    omega = min(max(omega, -settings.largest_omega), settings.largest_omega)
+    speed = speed_of(bench) * settings.command / (notebook.drive_command or bench.settings.drive.command)
+    share = 0.5 * omega * bench.settings.ratio.axle_length / speed
+    return WheelCommand(
+        settings.command * (1.0 - share), settings.command * (1.0 + share) * notebook.wheel_ratio
+    )
+
+
+def _lane_in(bench: Bench, frame: Frame) -> LanePose | None:
+    return observe_lane(frame.image, camera_of(bench), bench.notebook.mount)
+
+
+def _first_marker(bench: Bench, tags: tuple[TagObservation, ...]) -> TagObservation | None:
+    settings = bench.settings
+    for tag in tags:
+        if tag.tag_id == settings.marker.lane_first and tag.x <= settings.lane.take_within:
+            return tag
+    return None
+
+
+def _arrive(bench: Bench, tag: TagObservation) -> Outcome:
+    bench.robot.command(STOP)
+    bench.robot.wait(bench.settings.drive.settle)
+    bench.notebook.lane_before = bench.notebook.wheel_ratio
+    bench.notebook.lane_readings, bench.notebook.lane_runs = [], []
+    bench.notebook.marker_map = {}
+    evidence = {"marker": tag.tag_id, "distance": round(tag.distance, 3)}
+    return Outcome("first_marker_seen", evidence, "The first marker of the marked section is near.")
+
+
+def _missed(turned: dict[str, float]) -> Outcome:
+    cure = "Check the lines of the lane, and that the exit leads into it."
+    return Outcome("lane_missed", turned, "The lane is not in sight.", cure)

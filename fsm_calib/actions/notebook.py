@@ -1,0 +1,226 @@
+"""The notebook: what the actions have found so far. Plain values that a checkpoint can hold as JSON.
+
+Frozen records for single results; the notebook itself is mutable and belongs to one run.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsm_calib.types import BoardView, CameraModel, CameraMount, Pose2, TagObservation
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerReading:
+    """The markers in sight, measured at rest.
+
+    tags : medians over the frames, the nearest first; heading : the nearest marker's heading [rad], by the
+    rule of the settings; time [s] of the first frame.
+    """
+
+    tags: tuple[TagObservation, ...]
+    heading: float
+    time: float
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> MarkerReading:
+        """Return the reading that `asdict` wrote."""
+        tags = tuple(TagObservation(**item) for item in data["tags"])
+        return cls(tags, data["heading"], data["time"])
+
+
+@dataclass(frozen=True, slots=True)
+class WheelRun:
+    """One drive over the markers.
+
+    wheel_ratio : k that was used [1]; duration [s]; distance : length of the path [m]; turned : change of
+    heading, counter-clockwise [rad]; sd : of `turned` [rad]; k_i : the paper's, k_i - 1 is the residual [1].
+    """
+
+    wheel_ratio: float
+    duration: float
+    distance: float
+    turned: float
+    sd: float
+    k_i: float
+
+
+@dataclass(frozen=True, slots=True)
+class CameraFigures:
+    """The figures of the camera calibration for the report [px]; None where a figure does not apply."""
+
+    rms_px: float
+    mean_px: float
+    paper_px: float
+    predicted_px: float | None
+    cross_validated_px: float | None
+    views_used: int
+    views_per_board: dict[str, int] = field(default_factory=dict)
+    reason: str = ""
+
+
+@dataclass(slots=True)
+class Notebook:
+    """What is known of the robot.
+
+    Parameters
+    ----------
+    views : list of BoardView
+        Every view of a chessboard, in order.
+    image_size : tuple
+        (width, height) of the frames [px].
+    camera, figures, mount
+        The camera calibration, its figures, and how the camera sits over the floor.
+    tilt_readings : list
+        (pitch, roll, height) [rad, rad, m] as read from floor markers.
+    push_gain : dict
+        Angle turned per unit command by one push, by direction of turn [rad].
+    push_floor : float
+        Smallest command that is known to be too weak for the wheels [1].
+    drive_command, speed : float
+        Left command of straight drives [1] and the speed it gives [m/s]; 0 while unknown.
+    wheel_ratio : float
+        k in use.
+    iterate, combined_ratio : float
+        k of the paper's iteration, and of all its drives by least squares (None before it is known).
+    readings, lane_readings : list of MarkerReading
+        Before and after every drive of `runs` and of `lane_runs`.
+    marker_map : dict
+        Poses of the markers seen so far, in the frame of the first reading.
+    ratio_history : list
+        k after every iteration, the start included.
+    runs, lane_runs : list of WheelRun
+        Drives of the wheel iteration and of the lane.
+    reading : MarkerReading or None
+        Start of the next drive.
+    heading : float
+        Last heading of the nearest marker [rad].
+    last_duration : float
+        Duration of the last drive forward [s].
+    last_ratio : float
+        k of the last drive forward.
+    sharpness : list of float
+        Sharpness of every look of the focus step.
+    board_azimuth : float or None
+        Where the board followed so far was last seen, counter-clockwise of the optical axis [rad].
+    followed_way : str
+        The way of the turn in which it was last seen.
+    lane_integral, lane_side : float
+        Integral of d [m s] of the lane controller and the last d [m].
+    lane_before : float or None
+        k before the refinement in the lane.
+    marker_ahead : float
+        Farthest marker ahead of the axle in the last look [m].
+    panorama, frame_mark : array, int
+        The last frame, small, and its check sum.
+    unseen : bool
+        The last move was not looked at, because the camera gave no frame.
+    """
+
+    views: list[BoardView] = field(default_factory=list)
+    image_size: tuple[int, int] = (640, 480)
+    camera: CameraModel | None = None
+    figures: CameraFigures | None = None
+    mount: CameraMount = field(default_factory=CameraMount)
+    tilt_readings: list[tuple[float, float, float]] = field(default_factory=list)
+    push_gain: dict[str, float] = field(default_factory=dict)
+    push_floor: float = 0.0
+    drive_command: float = 0.0
+    speed: float = 0.0
+    wheel_ratio: float = 1.0
+    ratio_history: list[float] = field(default_factory=lambda: [1.0])
+    iterate: float = 1.0
+    combined_ratio: float | None = None
+    runs: list[WheelRun] = field(default_factory=list)
+    readings: list[MarkerReading] = field(default_factory=list)
+    marker_map: dict[int, Pose2] = field(default_factory=dict)
+    lane_runs: list[WheelRun] = field(default_factory=list)
+    lane_readings: list[MarkerReading] = field(default_factory=list)
+    reading: MarkerReading | None = None
+    heading: float = 0.0
+    last_duration: float = 0.0
+    last_ratio: float = 1.0
+    sharpness: list[float] = field(default_factory=list)
+    board_azimuth: float | None = None
+    followed_way: str = ""
+    lane_integral: float = 0.0
+    lane_side: float = 0.0
+    lane_before: float | None = None
+    marker_ahead: float = 0.0
+    panorama: NDArray[np.uint8] | None = None
+    frame_mark: int | None = None
+    unseen: bool = False
+
+    def to_state(self) -> dict[str, Any]:
+        """Return the notebook as plain JSON values."""
+        state = {item.name: getattr(self, item.name) for item in fields(self)}
+        for name in ("figures", "mount", "reading"):
+            state[name] = asdict(state[name]) if state[name] is not None else None
+        for name in ("runs", "lane_runs", "readings", "lane_readings"):
+            state[name] = [asdict(run) for run in state[name]]
+        state["marker_map"] = {str(number): [p.x, p.y, p.theta] for number, p in self.marker_map.items()}
+        state["views"] = [
+            {"corners": view.corners_image.tolist(), "board": view.board, "source": view.source}
+            for view in self.views
+        ]
+        state["camera"] = _camera_state(self.camera)
+        state["panorama"] = _pack(self.panorama)
+        return state
+
+    @classmethod
+    def from_state(cls, state: Mapping[str, Any]) -> Notebook:
+        """Return the notebook that `to_state` wrote."""
+        values = dict(state)
+        values["image_size"] = tuple(values["image_size"])
+        values["views"] = [
+            BoardView(np.array(v["corners"]), v["board"], v["source"]) for v in values["views"]
+        ]
+        values["camera"] = _camera_from(values["camera"])
+        values["figures"] = CameraFigures(**values["figures"]) if values["figures"] else None
+        values["mount"] = CameraMount(**values["mount"])
+        values["tilt_readings"] = [tuple(item) for item in values["tilt_readings"]]
+        for name in ("runs", "lane_runs"):
+            values[name] = [WheelRun(**run) for run in values[name]]
+        for name in ("readings", "lane_readings"):
+            values[name] = [MarkerReading.from_dict(item) for item in values[name]]
+        values["marker_map"] = {int(number): Pose2(*pose) for number, pose in values["marker_map"].items()}
+        values["reading"] = MarkerReading.from_dict(values["reading"]) if values["reading"] else None
+        values["panorama"] = _unpack(values["panorama"])
+        return cls(**values)
+
+
+def _camera_state(camera: CameraModel | None) -> dict[str, Any] | None:
+    if camera is None:
+        return None
+    return {
+        "matrix": camera.matrix.tolist(),
+        "distortion": camera.distortion.tolist(),
+        "width": camera.width,
+        "height": camera.height,
+        "model": camera.model,
+    }
+
+
+def _camera_from(state: Mapping[str, Any] | None) -> CameraModel | None:
+    if state is None:
+        return None
+    matrix, distortion = np.array(state["matrix"]), np.array(state["distortion"])
+    return CameraModel(matrix, distortion, state["width"], state["height"], state["model"])
+
+
+def _pack(array: NDArray[np.uint8] | None) -> dict[str, Any] | None:
+    if array is None:
+        return None
+    return {"shape": list(array.shape), "data": base64.b85encode(array.tobytes()).decode("ascii")}
+
+
+def _unpack(state: Mapping[str, Any] | None) -> NDArray[np.uint8] | None:
+    if state is None:
+        return None
+    return np.frombuffer(base64.b85decode(state["data"]), dtype=np.uint8).reshape(state["shape"]).copy()

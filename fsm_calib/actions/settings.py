@@ -1,0 +1,308 @@
+"""Every duration, command and threshold of the actions, named, with unit and source.
+
+Grouped by what they govern. SI units, angles in rad, wheel commands normalised to [-1, 1]. "Paper" is Chaika
+et al., Appl. Sci. 2021, 11, 5806; "its program" is OSLL/duckietown-autocalibration.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Literal
+
+from fsm_calib.errors import InputError
+from fsm_calib.types import BoardSpec
+
+HeadingSource = Literal["floor", "camera"]
+RatioEquation = Literal["corrected", "published"]
+NearestRule = Literal["distance", "last"]
+
+
+@dataclass(frozen=True, slots=True)
+class TurnSettings:
+    """Turning with one wheel, a quantum at a time (paper, section 3.2).
+
+    Parameters
+    ----------
+    quantum : float
+        Duration of one push of the wheel [s]; paper: 0.1 s.
+    settle : float
+        Rest between the push and the frame [s]; its program waits 0.6 s, two to three time constants of the
+        motors.
+    first_command : float
+        Command of the first push [1]; 3 to 4 degrees with nominal motors (27 rad/s at command 1, axle 0.1 m).
+    largest_command : float
+        The most a push may use [1]: no motor is worth burning.
+    raise_factor : float
+        Factor on the command when a push moved nothing [1].
+    scan_step, search_step : float
+        Angle wanted of a step with a board in sight and of a step of a search [rad]; 3.5 deg gives a board
+        some fifteen views in a sweep, and a search loses nothing in a picture 100 deg wide.
+    align_share : float
+        Share of the remaining angle that an aligning step takes [1]; below 1, so that it seldom overshoots.
+    smallest_align_step, largest_align_step : float
+        Bounds of an aligning step [rad].
+    smallest_turn : float
+        A turn seen in the picture below this is none [rad]; the picture tells 0.3 deg.
+    clear_likeness : float
+        A shifted picture explains the change when it removes this share of it [1].
+    """
+
+    quantum: float = 0.1
+    settle: float = 0.6
+    first_command: float = 0.075
+    largest_command: float = 0.8
+    raise_factor: float = 1.5
+    scan_step: float = math.radians(3.5)
+    search_step: float = math.radians(9.0)
+    align_share: float = 0.8
+    smallest_align_step: float = math.radians(1.0)
+    largest_align_step: float = math.radians(12.0)
+    smallest_turn: float = math.radians(0.5)
+    clear_likeness: float = 0.15
+
+
+@dataclass(frozen=True, slots=True)
+class DriveSettings:
+    """Straight drives over the markers (paper, section 3.4) and out of the field (5.1).
+
+    Parameters
+    ----------
+    command : float
+        Left wheel's command while driving straight [1]; its program: 0.23.
+    settle : float
+        Rest after a drive [s].
+    distance : float
+        Length of a full drive [m]; a third of the 2 m test is the least (paper, section 3.1), its program
+        drives 0.59 to 0.69 m.
+    expected_speed : float
+        Speed at `command` before it is known [m/s]: 27 rad/s x 0.23 x 0.0318 m = 0.197.
+    largest_heading_change : float
+        The next drive is as long as keeps the expected change of heading below this [rad].
+    first_mismatch : float
+        Relative wheel mismatch expected before the first drive [1]; the extreme of 32 real robots is 0.22.
+    shortest : float
+        Shortest drive [m].
+    stretch : float
+        One stretch of the drive out of the field [m]; less than half of what the camera sees of the field.
+    moved_share : float
+        A drive that covers less than this share of what was expected was none [1].
+    mismatch_margin : float
+        Added to the mismatch that the last drive leaves to be expected [1].
+    growth : float
+        A drive is at most so many times as long as the one before [1]; so the markers seen in one reach the
+        next.
+    one_wheel_mismatch : float
+        A relative mismatch above this is no mismatch but a wheel that stands [1]; one dead wheel gives 2.
+    """
+
+    command: float = 0.23
+    settle: float = 0.8
+    distance: float = 0.69
+    expected_speed: float = 0.197
+    largest_heading_change: float = 0.35
+    first_mismatch: float = 0.25
+    shortest: float = 0.10
+    stretch: float = 0.10
+    moved_share: float = 0.25
+    mismatch_margin: float = 0.01
+    growth: float = 2.0
+    one_wheel_mismatch: float = 0.9
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerSettings:
+    """Reading floor markers.
+
+    Parameters
+    ----------
+    size : float
+        Black square of a marker [m]; Duckietown appearance specification.
+    frames : int
+        Frames of one measurement at rest; the median over them is taken.
+    farthest : float
+        Markers farther than this from the camera are not used for measurements [m]; from 0.45 m on a marker
+        is 10 px high.
+    clear_distance : float
+        Up to here the heading of one marker is good to `heading_sd` [m]; beyond, its error grows with the
+        square of the distance.
+    heading_sd : float
+        Standard deviation of one marker's heading near the camera [rad]: 0.1 deg.
+    placement_sd : float
+        Standard deviation of a marker's orientation on the floor [rad]: glued by hand, 0.5 deg.
+    tilt_readings : int
+        Readings of camera tilt and height from markers that are averaged.
+    heading : {"floor", "camera"}
+        Which heading counts: in the floor frame, or as published about the optical axis.
+    nearest : {"distance", "last"}
+        Which marker is the nearest; as published, the last of the detector's list.
+    lane_first : int
+        Reserved number of the first marker of the marked lane section (paper, section 5.2).
+    """
+
+    size: float = 0.065
+    frames: int = 3
+    farthest: float = 0.50
+    clear_distance: float = 0.25
+    heading_sd: float = math.radians(0.1)
+    placement_sd: float = math.radians(0.5)
+    tilt_readings: int = 5
+    heading: HeadingSource = "floor"
+    nearest: NearestRule = "distance"
+    lane_first: int = 400
+
+
+@dataclass(frozen=True, slots=True)
+class RatioSettings:
+    """The wheel ratio k (paper, Eq. 3, as corrected in docs/method.md).
+
+    Parameters
+    ----------
+    equation : {"corrected", "published"}
+        How k_i follows from a drive.
+    quiet_correction : float
+        E: a correction |(k_i - 1) / 2| below this is quiet [1]. 0.0025 is 0.10 m after 2 m; published: 0.05.
+    axle_length : float
+        L [m]; only the speed of convergence depends on it.
+    share : float
+        Share of k_i - 1 that is applied [1]; paper: one half.
+    combine : bool
+        Whether the final k is the weighted least-squares value of the last drives and not the last iterate.
+    combine_within : float
+        Drives with |k_i - 1| below this enter the combination [1].
+    published_radius : float
+        R of the published program [m]: the wheel's diameter.
+    published_duration : float
+        t of the published program [s].
+    """
+
+    equation: RatioEquation = "corrected"
+    quiet_correction: float = 0.0025
+    axle_length: float = 0.100
+    share: float = 0.5
+    combine: bool = True
+    combine_within: float = 0.04
+    published_radius: float = 0.066
+    published_duration: float = 3.25
+
+
+@dataclass(frozen=True, slots=True)
+class CameraSettings:
+    """Focus and camera calibration.
+
+    Parameters
+    ----------
+    sharp_share : float
+        In focus when the sharpness is at least this share of the best so far [1].
+    least_sharpness : float
+        Below this no picture of boards is in focus [1].
+    skip_focus : bool
+        The operator skips the focus step.
+    target_px : float
+        Predicted projection error below which the camera is solved [px].
+    standpoint_move : float
+        Way to the next standpoint, backwards [m].
+    """
+
+    sharp_share: float = 0.9
+    least_sharpness: float = 0.08
+    skip_focus: bool = False
+    target_px: float = 0.5
+    standpoint_move: float = 0.12
+
+
+@dataclass(frozen=True, slots=True)
+class LaneSettings:
+    """Driving in the lane (paper, section 5.2; gains of Duckietown's lane_controller, default.yaml).
+
+    Parameters
+    ----------
+    advance : float
+        From the last column of markers to the middle of the lane [m]: the area's drawing.
+    seek_step : float
+        Angle wanted of a step that looks for the lane [rad].
+    largest_phi : float
+        The lane is taken when the robot heads along it within this [rad].
+    command : float
+        Mean wheel command in the lane [1].
+    period : float
+        Time between two looks [s].
+    looks : int
+        Looks of one stretch.
+    k_d, k_phi, k_integral : float
+        omega = k_d d + k_phi phi + k_integral int d [rad/s/m], [1/s], [rad/s^2/m], at 0.19 m/s.
+    largest_integral : float
+        Bound of the integral [m s].
+    largest_omega : float
+        Bound of the turn rate [rad/s].
+    take_within : float
+        The first marker is taken when it is this near ahead of the axle [m].
+    marker_pitch : float
+        Distance of neighbouring markers when only one is in sight [m]; paper: 0.15.
+    change : float
+        A new k differs significantly when it differs by more than this [1].
+    significance : float
+        ... and by more than this many standard errors [1].
+    largest_scatter : float
+        k_i are constant when their standard deviation is below this [1].
+    least_readings : int
+        Fewer k_i than this are never applied.
+    """
+
+    advance: float = 0.227
+    seek_step: float = math.radians(9.0)
+    largest_phi: float = math.radians(35.0)
+    command: float = 0.20
+    period: float = 0.2
+    looks: int = 5
+    k_d: float = -6.0
+    k_phi: float = -5.0
+    k_integral: float = -0.3
+    largest_integral: float = 0.3
+    largest_omega: float = 2.5
+    take_within: float = 0.36
+    marker_pitch: float = 0.15
+    change: float = 0.0075
+    significance: float = 3.0
+    largest_scatter: float = 0.012
+    least_readings: int = 3
+
+
+@dataclass(frozen=True, slots=True)
+class ActionSettings:
+    """All settings of the actions, and the chessboard's form.
+
+    Raises
+    ------
+    InputError
+        When a number is not finite or a duration is negative.
+    """
+
+    board: BoardSpec = field(default_factory=BoardSpec)
+    turn: TurnSettings = field(default_factory=TurnSettings)
+    drive: DriveSettings = field(default_factory=DriveSettings)
+    marker: MarkerSettings = field(default_factory=MarkerSettings)
+    ratio: RatioSettings = field(default_factory=RatioSettings)
+    camera: CameraSettings = field(default_factory=CameraSettings)
+    lane: LaneSettings = field(default_factory=LaneSettings)
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that no run could use."""
+        for group in fields(self):
+            values = getattr(self, group.name)
+            for item in fields(values) if is_dataclass(values) else ():
+                _check(f"{group.name}.{item.name}", getattr(values, item.name))
+
+
+_MAY_BE_NEGATIVE = ("lane.k_d", "lane.k_phi", "lane.k_integral")
+
+
+def _check(name: str, value: object) -> None:
+    if isinstance(value, bool | str):
+        return
+    if isinstance(value, int | float) and (
+        not math.isfinite(value) or (value < 0 and name not in _MAY_BE_NEGATIVE)
+    ):
+        raise InputError(
+            f"action setting {name} is {value}", where=name, cure="Give a finite number, 0 or more."
+        )

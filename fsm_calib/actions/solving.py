@@ -1,0 +1,63 @@
+"""Solve the camera from the views kept so far, and go to a second standpoint when they do not suffice."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+
+from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.moving import drive
+from fsm_calib.actions.notebook import CameraFigures
+from fsm_calib.errors import DataError
+from fsm_calib.outcome import Outcome
+from fsm_calib.perception.calibration import CameraCalibration
+from fsm_calib.perception.intrinsics import calibrate
+
+
+def solve_camera(bench: Bench) -> Outcome:
+    """Compute the intrinsics; solved, imprecise or refused, with the figures and the reason."""
+    notebook = bench.notebook
+    try:
+        result = calibrate(notebook.views, bench.settings.board, notebook.image_size, is_duckiebot=True)
+    except DataError as error:
+        return _refused(error.problem, error.cure)
+    if result.refused:
+        return _refused(result.reason, "Lean a board or lay one on the floor, and check the lens.")
+    _keep(bench, result)
+    evidence = {"predicted_px": result.predicted_px, "rms_px": result.rms_px, "views": result.views_used}
+    if result.predicted_px <= bench.settings.camera.target_px:
+        asked = bench.settings.camera.target_px
+    sentence = f"The predicted error is {result.predicted_px:.2f} px, {asked:.2f} px were asked for."
+    return Outcome("camera_imprecise", evidence, sentence, "Lean a board, or lay one on the floor.")
+
+
+def move_to_standpoint(bench: Bench) -> Outcome:
+    """Drive back a short way, so that the boards are seen from elsewhere."""
+    settings = bench.settings
+    speed = bench.notebook.speed or settings.drive.expected_speed
+    drive(bench, settings.camera.standpoint_move / speed, bench.notebook.wheel_ratio, backward=True)
+    bench.notebook.board_azimuth, bench.notebook.panorama = None, None
+    return Outcome("standpoint_reached", sentence="The robot stands at another place.")
+
+
+def _keep(bench: Bench, result: CameraCalibration) -> None:
+    notebook = bench.notebook
+    notebook.camera = result.camera
+    if result.mount is not None:
+        notebook.mount = result.mount
+    validated = result.cross_validated_px
+    count = Counter(notebook.views[index].board for index in result.used)
+    notebook.figures = CameraFigures(
+        rms_px=result.rms_px,
+        mean_px=result.mean_px,
+        paper_px=result.paper_px,
+        predicted_px=result.predicted_px,
+        cross_validated_px=None if math.isnan(validated) else validated,
+        views_used=result.views_used,
+        views_per_board={str(board): count[board] for board in sorted(count)},
+        reason=result.reason,
+    )
+
+
+def _refused(reason: str, cure: str) -> Outcome:
+    return Outcome("camera_refused", {"reason": reason}, f"The camera cannot be solved: {reason}.", cure)

@@ -1,0 +1,176 @@
+"""The verbs of the wheel iteration (paper, section 3.4): forward, compare, back, update."""
+
+from __future__ import annotations
+
+import math
+
+from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.marker_map import extend, place
+from fsm_calib.actions.markers import look_at_markers, read_markers
+from fsm_calib.actions.moving import drive
+from fsm_calib.actions.notebook import MarkerReading, WheelRun
+from fsm_calib.actions.ratio import combined_ratio, run_from_readings
+from fsm_calib.actions.turning import ROBOT_BLOCKED, WHEEL_STALLED
+from fsm_calib.outcome import Outcome
+from fsm_calib.types import Pose2, TagObservation
+
+
+def drive_forward(bench: Bench) -> Outcome:
+    """Drive forward with the k so far; the drive is as long as its expected curvature lets the markers stay
+    in sight.
+
+    When the markers say that nothing moved, the command is raised and the drive made again; when the most
+    moves nothing forward, a short drive back tells an obstacle from a dead wheel.
+    """
+    notebook = bench.notebook
+    notebook.last_duration = _duration(bench)
+    notebook.last_ratio = notebook.wheel_ratio
+    settings = bench.settings
+    while True:
+        drive(bench, notebook.last_duration, notebook.last_ratio)
+        moved = _has_moved(bench)
+        if moved is not False:
+            return Outcome(
+                "drive_finished", {"duration": round(notebook.last_duration, 4)}, "Driven forward."
+            )
+        command = (notebook.drive_command or settings.drive.command) * settings.turn.raise_factor
+        if command > settings.turn.largest_command:
+            return _why_still(bench)
+        notebook.drive_command = command
+
+
+def drive_back(bench: Bench) -> Outcome:
+    """Drive back for as long as the last drive forward, with the k that it used."""
+    notebook = bench.notebook
+    drive(bench, notebook.last_duration, notebook.last_ratio, backward=True)
+    return Outcome("drive_finished", {"duration": round(notebook.last_duration, 4)}, "Driven back.")
+
+
+def measure_ratio(bench: Bench) -> Outcome:
+    """Measure the markers after the drive: k_i from the change of heading and the length of the path."""
+    notebook, start = bench.notebook, bench.notebook.reading
+    if start is None:
+        return Outcome("marker_missed", sentence="No marker was measured before the drive.")
+    reading = read_markers(bench)
+    if isinstance(reading, Outcome):
+        return reading
+    distance, seen = driven(bench, start, reading)
+    expected = _speed(bench) * notebook.last_duration
+    if seen and notebook.runs and distance < bench.settings.drive.moved_share * expected:
+        return ROBOT_BLOCKED
+    if seen:
+        notebook.speed = distance / notebook.last_duration
+    notebook.readings += [start, reading]
+    run = run_from_readings(bench, distance)
+    if (
+        abs(run.k_i - 1.0) > bench.settings.drive.one_wheel_mismatch
+        and bench.settings.ratio.equation == "corrected"
+    ):
+        notebook.readings = notebook.readings[:-2]
+        return WHEEL_STALLED
+    notebook.runs.append(run)
+    return Outcome("ratio_measured", _run_evidence(run), f"k_i = {run.k_i:.4f} over {run.distance:.2f} m.")
+
+
+def update_ratio(bench: Bench) -> Outcome:
+    """Refine k by a share of k_i - 1, or leave it when the correction is quiet (paper: E)."""
+    notebook, settings = bench.notebook, bench.settings.ratio
+    run = notebook.runs[-1]
+    correction = settings.share * (run.k_i - 1.0)
+    quiet = abs(correction) < settings.quiet_correction and _is_full(bench, run)
+    if not quiet:
+        notebook.iterate += correction
+    notebook.wheel_ratio = notebook.iterate
+    notebook.ratio_history.append(notebook.iterate)
+    if settings.combine and quiet:
+        notebook.combined_ratio = combined_ratio(bench)
+    evidence = {
+        "quiet": quiet,
+        "k_i": run.k_i,
+        "wheel_ratio": notebook.iterate,
+        "combined": notebook.combined_ratio,
+    }
+    return Outcome("ratio_updated", evidence, f"k = {notebook.iterate:.4f}{', quiet' if quiet else ''}.")
+
+
+def _run_evidence(run: WheelRun) -> dict[str, float]:
+    return {"k_i": run.k_i, "turned": run.turned, "turned_sd": run.sd, "distance": run.distance}
+
+
+def _speed(bench: Bench) -> float:
+    return bench.notebook.speed or bench.settings.drive.expected_speed
+
+
+def _duration(bench: Bench) -> float:
+    """Return how long to drive [s]: full length when the last residual allows, else shorter; at most twice
+    the last.
+    """
+    settings, runs = bench.settings.drive, bench.notebook.runs
+    if bench.settings.ratio.equation == "published":
+        return bench.settings.ratio.published_duration
+    mismatch = settings.first_mismatch
+    longest = settings.distance
+    if runs:
+        mismatch = (1.0 - bench.settings.ratio.share) * abs(runs[-1].k_i - 1.0) + settings.mismatch_margin
+        longest = min(longest, settings.growth * runs[-1].distance)
+    allowed = settings.largest_heading_change * bench.settings.ratio.axle_length / mismatch
+    return max(min(longest, allowed), settings.shortest) / _speed(bench)
+
+
+def _is_full(bench: Bench, run: WheelRun) -> bool:
+    """Whether a drive was long enough to count as quiet: nine tenths of the full length (its speed is
+    estimated).
+    """
+    return bench.settings.ratio.equation == "published" or run.distance >= 0.9 * bench.settings.drive.distance
+
+
+def _has_moved(bench: Bench) -> bool | None:
+    """Whether the markers moved as a drive moves them; None when no marker of the start is in sight any
+    more.
+    """
+    start = bench.notebook.reading
+    tags = look_at_markers(bench)
+    if start is None or isinstance(tags, Outcome):
+        return None
+    before = {tag.tag_id: tag for tag in start.tags}
+    common = [(before[tag.tag_id], tag) for tag in tags if tag.tag_id in before]
+    if not common:
+        return None
+    expected = _speed(bench) * bench.notebook.last_duration
+    return max(_shift(*pair) for pair in common) > bench.settings.drive.moved_share * min(expected, 0.1)
+
+
+def _shift(before: TagObservation, after: TagObservation) -> float:
+    return (
+        math.hypot(after.x - before.x, after.y - before.y)
+        + abs(after.heading - before.heading) * before.distance
+    )
+
+
+def _why_still(bench: Bench) -> Outcome:
+    drive(bench, bench.notebook.last_duration, bench.notebook.last_ratio, backward=True)
+    return ROBOT_BLOCKED if _has_moved(bench) is not False else WHEEL_STALLED
+
+
+def driven(bench: Bench, start: MarkerReading, reading: MarkerReading) -> tuple[float, bool]:
+    """Return the length of the path [m] and whether the markers told it (else speed times time did)."""
+    markers = bench.notebook.marker_map
+    first = extend(markers, start)
+    if first is None:
+        markers.clear()
+        first = extend(markers, start)
+    second = place(markers, reading)
+    if first is None or second is None:
+        return _speed(bench) * bench.notebook.last_duration, False
+    extend(markers, reading)
+    return path_length(first, second), True
+
+
+def path_length(first: Pose2, second: Pose2) -> float:
+    """Return the length of the circular arc between two poses [m]: s = c (a / 2) / sin(a / 2).
+
+    c : distance of the end points [m]; a : change of heading [rad].
+    """
+    step = first.inverse().then(second)
+    chord, half = math.hypot(step.x, step.y), 0.5 * abs(step.theta)
+    return chord if half < 1e-6 else chord * half / math.sin(half)
