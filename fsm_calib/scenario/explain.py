@@ -50,6 +50,12 @@ def _one(details: Any, document: YamlDocument, model: type[BaseModel]) -> InputE
     where = document.where(path)
     if kind == "missing":
         return InputError(f"the setting {name!r} is missing", where=where, cure="Add it.")
+    if kind == "union_tag_invalid":
+        known = [part.strip(" '") for part in details["ctx"]["expected_tags"].split(",")]
+        where = document.where([*path, "kind"])
+        return UnknownNameError(f"kind of {name}", details["ctx"]["tag"], known, where=where)
+    if kind == "union_tag_not_found":
+        return InputError(f"{name} has no 'kind'", where=where, cure="Say which kind it is.")
     if kind in ("literal_error", "enum"):
         expected = [part.strip(" '\"") for part in details["ctx"]["expected"].replace(" or ", ",").split(",")]
         problem = f"{name} is {quoted(details['input'])}"

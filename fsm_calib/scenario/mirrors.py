@@ -2,16 +2,70 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+
+from pydantic import Field, create_model
 
 from fsm_calib.actions.published import PUBLISHED as PUBLISHED_ACTIONS
 from fsm_calib.actions.settings import ActionSettings
 from fsm_calib.machines.limits import PUBLISHED as PUBLISHED_LIMITS
 from fsm_calib.machines.limits import Limits
 from fsm_calib.machines.supervisor import PHASES
-from fsm_calib.scenario.section import mirror, mirror_of
-from fsm_calib.types import BoardSpec
+from fsm_calib.scenario.section import Section, mirror, mirror_of
+from fsm_calib.types import BoardSpec, CameraMount
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.faults import (
+    BlurredCamera,
+    DeadWheel,
+    DroppedFrames,
+    FrozenFrames,
+    MissingBoard,
+    MissingMarkers,
+    Obstacle,
+)
 from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, Wall
+from fsm_calib.world2d.sensor import SensorSettings
+
+FAULT_KINDS: dict[str, type] = {
+    "dead_wheel": DeadWheel,
+    "frozen_frames": FrozenFrames,
+    "dropped_frames": DroppedFrames,
+    "missing_board": MissingBoard,
+    "missing_markers": MissingMarkers,
+    "obstacle": Obstacle,
+    "blurred_camera": BlurredCamera,
+}
+"""How a scenario calls each fault of `world2d.faults`."""
+
+
+def effects_section() -> type[Section]:
+    """Return the section that switches on effects of the catalogue.
+
+    An effect that is named without values has the typical size that its file declares.
+    """
+    parts: dict[str, Any] = {}
+    for effect in registry().values():
+        values: dict[str, Any] = {
+            parameter.name: (
+                float,
+                Field(
+                    default=parameter.typical,
+                    ge=parameter.low,
+                    le=parameter.high,
+                    description=f"{parameter.symbol} [{parameter.unit}]; null value {parameter.null:g}.",
+                ),
+            )
+            for parameter in effect.parameters
+        }
+        title = "".join(word.capitalize() for word in effect.name.split("_"))
+        part = create_model(f"{title}Section", __base__=Section, **values)
+        parts[effect.name] = (part | None, Field(default=None))
+    return create_model(
+        "EffectsSection", __base__=Section, __doc__="Effects of the catalogue, by name.", **parts
+    )
+
 
 if TYPE_CHECKING:  # what a mirror holds is known when it is made, not before
     Phase: TypeAlias = str
@@ -23,6 +77,10 @@ if TYPE_CHECKING:  # what a mirror holds is known when it is made, not before
     PlacedBoard: TypeAlias = Any
     BoardSection: TypeAlias = Any
     WallSection: TypeAlias = Any
+    FaultSection: TypeAlias = Any
+    SensorSection: TypeAlias = Any
+    MountSection: TypeAlias = Any
+    EffectsSection: TypeAlias = Any
 else:
     Phase = Literal[PHASES]
     Published = Literal[(*PUBLISHED_ACTIONS, *PUBLISHED_LIMITS)]
@@ -33,3 +91,8 @@ else:
     PlacedBoard = mirror_of(BoardPlacement)
     BoardSection = mirror_of(BoardSpec)
     WallSection = mirror_of(Wall)
+    SensorSection = mirror(SensorSettings, skip=("defocus",))
+    MountSection = mirror_of(CameraMount)
+    EffectsSection = effects_section()
+    _faults = [mirror(target, kind=kind) for kind, target in FAULT_KINDS.items()]
+    FaultSection = Annotated[reduce(or_, _faults), Field(discriminator="kind")]

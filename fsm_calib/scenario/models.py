@@ -4,24 +4,56 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
 from pydantic import Field, field_validator
 
 from fsm_calib.machines.supervisor import PHASES
 from fsm_calib.scenario.mirrors import (
     ActionsSection,
     BoardSection,
+    EffectsSection,
+    FaultSection,
     FieldSection,
     LimitsSection,
+    MountSection,
     Phase,
     PlacedBoard,
     Published,
     RoadSection,
+    SensorSection,
     WallSection,
 )
 from fsm_calib.scenario.section import Section
+from fsm_calib.types import CameraModel
 
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
 """Names become file names."""
+
+
+class CameraSection(Section):
+    """A lens: pinhole and plumb_bob distortion [px, 1]; `k4` to `k6` make it a rational one."""
+
+    fx: float = Field(..., gt=50, lt=5000)
+    fy: float = Field(..., gt=50, lt=5000)
+    cx: float = Field(..., gt=0, lt=5000)
+    cy: float = Field(..., gt=0, lt=5000)
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
+    k4: float | None = None
+    k5: float | None = None
+    k6: float | None = None
+
+    def build(self) -> CameraModel:
+        """Return the camera model, 640 x 480."""
+        matrix = np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+        plumb_bob = [self.k1, self.k2, self.p1, self.p2, self.k3]
+        if self.k4 is None and self.k5 is None and self.k6 is None:
+            return CameraModel(matrix, np.array(plumb_bob))
+        rational = [value or 0.0 for value in (self.k4, self.k5, self.k6)]
+        return CameraModel(matrix, np.array([*plumb_bob, *rational]), model="rational_polynomial")
 
 
 class RobotSection(Section):
@@ -37,6 +69,15 @@ class RobotSection(Section):
         default="fleet",
         description="`nominal`: equal wheels and the fleet's median camera; `fleet`: drawn with the seed "
         "from the statistics of real Duckiebots.",
+    )
+    camera: CameraSection | None = Field(
+        default=None, description="The true lens, in place of the drawn one."
+    )
+    mount: MountSection | None = Field(
+        default=None, description="Where the camera truly sits, in place of the drawn mount."
+    )
+    effects: EffectsSection = Field(
+        default=EffectsSection(), description="Physics beyond the nominal robot, switched on by name."
     )
     wheel_ratio: float | None = Field(
         default=None,
@@ -91,6 +132,10 @@ class Scenario(Section):
     )
     robot: RobotSection = RobotSection()
     scene: SceneSection = SceneSection()
+    sensor: SensorSection = SensorSection()
+    faults: tuple[FaultSection, ...] = Field(
+        default=(), max_length=20, description="What goes wrong, and when."
+    )
     plan: tuple[Phase, ...] = Field(
         default=PHASES, min_length=1, description="Phases to run, in the paper's order."
     )

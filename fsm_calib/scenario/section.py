@@ -14,7 +14,7 @@ import re
 import types
 import typing
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
@@ -45,11 +45,14 @@ class Mirror(Section):
 
     def build(self, **extra: Any) -> Any:
         """Return the dataclass with these values; `extra` gives the fields that the mirror leaves out."""
-        values = {name: _built(getattr(self, name)) for name in type(self).model_fields}
+        known = {field.name for field in dataclasses.fields(self._target)}
+        values = {name: _built(getattr(self, name)) for name in type(self).model_fields if name in known}
         return self._target(**(values | extra))
 
 
-def mirror(target: type, *, skip: Collection[str] = (), **constraints: Mapping[str, Any]) -> type[Mirror]:
+def mirror(
+    target: type, *, skip: Collection[str] = (), kind: str | None = None, **constraints: Mapping[str, Any]
+) -> type[Mirror]:
     """Return a section class with the fields of the dataclass `target`.
 
     Parameters
@@ -58,12 +61,14 @@ def mirror(target: type, *, skip: Collection[str] = (), **constraints: Mapping[s
         A dataclass; fields may be numbers, text, literals, enums, tuples of these and other dataclasses.
     skip : collection of str
         Fields that a scenario cannot set; they must have defaults.
+    kind : str or None
+        What the section's `kind` must say, where several kinds may stand in one place.
     **constraints
         By field name: further arguments of `pydantic.Field`, such as ``gt=0``.
     """
     hints = typing.get_type_hints(target)
     texts = field_texts(inspect.getdoc(target) or "")
-    fields: dict[str, Any] = {}
+    fields: dict[str, Any] = {} if kind is None else {"kind": (Literal[kind], ...)}
     for field in dataclasses.fields(target):
         if field.name in skip or not field.init:
             continue
