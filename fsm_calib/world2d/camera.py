@@ -44,6 +44,8 @@ _NEAR_FLOOR = 0.15
 """Distance of the nearest floor in sight [m]: what a translation blurs most."""
 _NEUTRAL = 128
 """Value of both chroma planes for grey."""
+_GRAIN = 1e-5
+"""Poses are rounded to this [m, rad], 0.003 px, so that a robot that has all but stopped is drawn once."""
 _REMEMBERED = 2
 """Ideal images kept for a robot that stands still."""
 
@@ -70,6 +72,7 @@ class Renderer:
 
         Must not be written to: a robot that stands still gets the same arrays again.
         """
+        base = Pose2(*(round(value / _GRAIN) * _GRAIN for value in (base.x, base.y, base.theta)))
         if base in self._kept:
             self._kept.move_to_end(base)
             return self._kept[base]

@@ -8,7 +8,7 @@ are far better, and only a board on the floor fills the lower half of the image 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fsm_calib.errors import InputError
 from fsm_calib.types import BoardSpec, Pose2
@@ -88,11 +88,10 @@ def lane_beyond(field: MarkerField, **changes: object) -> Road:
 
     The right lane's centre is then about 0.23 m beyond the last column; traffic runs towards +y.
     """
-    road = Road()
+    road = Road(**changes)  # type: ignore[arg-type]
     clearance = 0.03  # m, floor between the last marker and the white line
     x = field.last_x - 0.5 * field.size - clearance - road.white_width - 0.5 * road.lane_width
-    start = Pose2(x, road.start.y, road.start.theta)
-    return Road(start=start, **changes)  # type: ignore[arg-type]
+    return replace(road, start=Pose2(x, road.start.y, road.start.theta))
 
 
 def calibration_area(
