@@ -101,6 +101,10 @@ class Notebook:
         Start of the next drive.
     heading : float
         Last heading of the nearest marker [rad].
+    last_step : Pose2
+        Motion of the last drive in the frame of its start.
+    yaw_weight : float
+        Sum of the squared lengths of the drives that told the camera's yaw [m^2].
     last_duration : float
         Duration of the last drive forward [s].
     last_ratio : float
@@ -144,6 +148,8 @@ class Notebook:
     lane_readings: list[MarkerReading] = field(default_factory=list)
     reading: MarkerReading | None = None
     heading: float = 0.0
+    last_step: Pose2 = field(default_factory=Pose2)
+    yaw_weight: float = 0.0
     last_duration: float = 0.0
     last_ratio: float = 1.0
     sharpness: list[float] = field(default_factory=list)
@@ -160,7 +166,7 @@ class Notebook:
     def to_state(self) -> dict[str, Any]:
         """Return the notebook as plain JSON values."""
         state = {item.name: getattr(self, item.name) for item in fields(self)}
-        for name in ("figures", "mount", "reading"):
+        for name in ("figures", "mount", "reading", "last_step"):
             state[name] = asdict(state[name]) if state[name] is not None else None
         for name in ("runs", "lane_runs", "readings", "lane_readings"):
             state[name] = [asdict(run) for run in state[name]]
@@ -184,6 +190,7 @@ class Notebook:
         values["camera"] = _camera_from(values["camera"])
         values["figures"] = CameraFigures(**values["figures"]) if values["figures"] else None
         values["mount"] = CameraMount(**values["mount"])
+        values["last_step"] = Pose2(**values["last_step"])
         values["tilt_readings"] = [tuple(item) for item in values["tilt_readings"]]
         for name in ("runs", "lane_runs"):
             values[name] = [WheelRun(**run) for run in values[name]]

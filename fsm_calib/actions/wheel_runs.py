@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.marker_map import extend, place
@@ -60,6 +61,7 @@ def measure_ratio(bench: Bench) -> Outcome:
         return ROBOT_BLOCKED
     if seen:
         notebook.speed = distance / notebook.last_duration
+        learn_yaw(bench, distance)
     notebook.readings += [start, reading]
     run = run_from_readings(bench, distance)
     if (
@@ -163,7 +165,22 @@ def driven(bench: Bench, start: MarkerReading, reading: MarkerReading) -> tuple[
     if first is None or second is None:
         return _speed(bench) * bench.notebook.last_duration, False
     extend(markers, reading)
+    bench.notebook.last_step = first.inverse().then(second)
     return path_length(first, second), True
+
+
+def learn_yaw(bench: Bench, distance: float) -> None:
+    """Refine the camera's yaw by the direction in which the markers say that the robot drove.
+
+    An arc that turns by a [rad] leaves along a / 2 of the robot's forward direction; a camera that looks to the left
+    by y sees it along a / 2 - y. The mean over drives is weighted by their squared lengths.
+    """
+    notebook = bench.notebook
+    step, yaw = notebook.last_step, notebook.mount.yaw
+    seen = math.atan2(step.y, step.x) - 0.5 * step.theta
+    notebook.yaw_weight += distance**2
+    share = distance**2 / notebook.yaw_weight
+    notebook.mount = replace(notebook.mount, yaw=yaw - share * seen)
 
 
 def path_length(first: Pose2, second: Pose2) -> float:
