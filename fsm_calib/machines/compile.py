@@ -30,13 +30,17 @@ class SlashState(NestedState):  # type: ignore[misc]
 
 
 class RecordedTransition(NestedTransition):  # type: ignore[misc]
-    """A transition that tells its model when it is taken."""
+    """A transition that knows its row in the table and tells its model when it is taken."""
+
+    def __init__(self, *args: Any, ident: str = "", **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.ident = ident
 
     def execute(self, event: EventData) -> bool:
         """Run the transition; note its place in the table when its guards let it pass."""
         passed = bool(super().execute(event))
         if passed:
-            cast(Model, event.model).taken.append((self.source, event.event.name, self.dest))
+            cast(Model, event.model).taken.append(self.ident)
         return passed
 
 
@@ -65,8 +69,8 @@ def compile_chart(chart: Chart) -> SlashMachine:
 class Model:
     """What the library drives: it holds the state, and what the callbacks read and note.
 
-    `answers` : the guards asked and their answers; `kept` : the bookkeeping done; `taken` : the transitions
-    taken, as (source, trigger, dest) of the table.
+    `answers` : the guards asked and their answers; `kept` : the bookkeeping done; `taken` : the rows of
+    the table that were taken, by ident.
     """
 
     state: str
@@ -76,7 +80,7 @@ class Model:
         self.books, self.limits = books, limits
         self.answers: dict[str, bool] = {}
         self.kept: list[str] = []
-        self.taken: list[tuple[str, str, str | None]] = []
+        self.taken: list[str] = []
 
     def dispatch(self, trigger: str, evidence: Evidence) -> bool:
         """Let the machine take `trigger`; return whether a transition was taken. When not, nothing has
@@ -99,6 +103,7 @@ def _state(state: State) -> dict[str, Any]:
 
 def _transition(edge: Transition) -> dict[str, Any]:
     return {
+        "ident": edge.ident,
         "trigger": edge.trigger,
         "source": edge.source,
         "dest": edge.dest,

@@ -157,6 +157,11 @@ def has_markers_left(books: Books, limits: Limits, evidence: Evidence) -> bool:
     return books.markers + 1 < limits.markers
 
 
+def is_plan_done(books: Books, limits: Limits, evidence: Evidence) -> bool:
+    """Whether no phase of the plan is left."""
+    return not books.plan
+
+
 def _is_next(phase: str) -> Guard:
     def is_next(books: Books, limits: Limits, evidence: Evidence) -> bool:
         return bool(books.plan) and books.plan[0] == phase
@@ -176,3 +181,6 @@ GUARDS: dict[str, Guard] = {
     )
 }
 """Every guard by its name in the tables."""
+
+EXCLUSIVE = (("is_plan_done", *(guard.__name__ for guard in _PHASE_GUARDS)),)
+"""Families of guards of which exactly one holds at any time, whatever the books."""

@@ -47,7 +47,7 @@ class Fired:
 
     trigger : what happened; source, dest : the active leaf before and after; guards : the guards that were
     asked,
-    with their answers; actions : the bookkeeping that was done, in order.
+    with their answers; actions : the bookkeeping that was done, in order; transition : the row of the table.
     """
 
     trigger: str
@@ -55,6 +55,7 @@ class Fired:
     dest: str
     guards: Mapping[str, bool] = field(default_factory=dict)
     actions: tuple[str, ...] = ()
+    transition: str = ""
 
 
 class CalibrationMachine:
@@ -137,7 +138,9 @@ class CalibrationMachine:
         if "count_lost_frame" not in model.kept:
             self.books.lost_frames = 0
         self.failure = _failure(self.state, source, outcome)
-        return Fired(outcome.trigger, source, self.state, dict(model.answers), tuple(model.kept))
+        return Fired(
+            outcome.trigger, source, self.state, dict(model.answers), tuple(model.kept), model.taken[0]
+        )
 
 
 def _in_order(plan: Iterable[str]) -> list[str]:

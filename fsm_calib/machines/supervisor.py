@@ -12,7 +12,7 @@ from fsm_calib.machines.focus import FOCUS
 from fsm_calib.machines.lane import LANE
 from fsm_calib.machines.orientation import ORIENTATION
 from fsm_calib.machines.scan import SCAN
-from fsm_calib.machines.spec import Chart, State, always, choose, otherwise, when
+from fsm_calib.machines.spec import Chart, State, Transition, always
 from fsm_calib.machines.wheels import WHEELS
 
 MACHINES = (FOCUS, SCAN, ORIENTATION, WHEELS, EXIT, LANE)
@@ -29,9 +29,9 @@ SUPERVISOR = Chart(
         State("failed", "The run ended with a reason and a cure.", children=FAILURES),
     ),
     transitions=(
-        *choose("wheels_stopped", "between",
-                *(when(f"is_next_{phase}", phase, "begin_phase") for phase in PHASES),
-                otherwise("done", "end_plan")),
+        *(Transition("wheels_stopped", "between", phase, (f"is_next_{phase}",), actions=("begin_phase",))
+          for phase in PHASES),
+        Transition("wheels_stopped", "between", "done", ("is_plan_done",), actions=("end_plan",)),
         *always("abort", ("between", *PHASES), "aborted"),
     ),
 )  # fmt: skip

@@ -1,0 +1,60 @@
+"""Every declared transition does what its hand-written case says, and there is a case for each of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+from machine_case import LIMITS, Case
+from machine_cases import CASES
+from machine_rig import Rig
+
+from fsm_calib.machines.books import Books
+from fsm_calib.machines.runtime import CalibrationMachine, declared, leaves
+from fsm_calib.machines.supervisor import SUPERVISOR
+from fsm_calib.outcome import Outcome
+
+DECLARED = Counter(edge.ident for edge in SUPERVISOR.all_transitions())
+
+
+@pytest.fixture(scope="module")
+def rig() -> Rig:
+    return Rig(LIMITS)
+
+
+def marked(case: Case):
+    name = f"{case.leaf}--{case.trigger}[{case.condition}]->{case.reached}"
+    return pytest.param(case, id=name, marks=pytest.mark.covers(case.covers))
+
+
+@pytest.mark.parametrize("case", [marked(case) for case in CASES])
+def test_transition_leads_where_it_should_and_keeps_the_books(rig: Rig, case: Case) -> None:
+    books = Books(**{**case.before, "plan": list(case.before.get("plan", ()))})
+    machine = CalibrationMachine(LIMITS, books=books, state=case.leaf)
+    fired = machine.fire(Outcome(case.trigger, case.evidence))
+    assert fired.transition == case.covers
+    assert (fired.source, machine.state) == (case.leaf, case.reached)
+    expected = {**Books(**case.before).to_dict(), "lost_frames": 0, "ticks": 1} | dict(case.after)
+    assert books.to_dict() == expected
+
+
+@pytest.mark.parametrize("case", [marked(case) for case in CASES])
+def test_guards_of_the_transition_are_asked_and_recorded(rig: Rig, case: Case) -> None:
+    rig.put(case.leaf, case.before)
+    assert rig.fire(case.trigger, case.evidence)
+    names = [name for name in case.condition.split(" & ") if name]
+    wanted = {name.removeprefix("!"): not name.startswith("!") for name in names}
+    assert {name: rig.model.answers[name] for name in wanted} == wanted
+
+
+def test_declared_transitions_and_tested_transitions_are_the_same() -> None:
+    tested = {case.covers for case in CASES}
+    assert sorted(set(DECLARED) - tested) == [], "declared, but without a test"
+    assert sorted(tested - set(DECLARED)) == [], "tested, but not declared"
+    assert set(DECLARED.values()) == {1}
+
+
+def test_every_leaf_is_tested_with_every_outcome_that_it_declares() -> None:
+    tested = {(case.leaf, case.trigger) for case in CASES}
+    wanted = {(leaf, trigger) for leaf in leaves() for trigger in declared(leaf)}
+    assert wanted - tested == set()
