@@ -1,8 +1,9 @@
 """One order of a chessboard's corners, whatever the detector returned.
 
 A board of c x r inner corners looks the same after half a turn when c + r is even (7x5, 8x6); then only a
-convention can choose: the row runs to the right of the image. When c + r is odd (9x6) the colours decide: the square
-between the first four corners is black. The order is never a mirror image: rows run clockwise from columns as seen.
+convention can choose: the row runs to the right of the image. When c + r is odd (9x6) the colours decide: the
+square between the first four corners is black. The order is never a mirror image: rows run clockwise from
+columns as seen.
 """
 
 from __future__ import annotations

@@ -1,13 +1,16 @@
-"""Least squares of a camera and many board views: one Levenberg-Marquardt for every arrangement of the boards.
+"""Least squares of a camera and many board views: one Levenberg-Marquardt for every arrangement of the
+boards.
 
-Unknowns fall into `shared` ones (intrinsics and, when boards stand still, the boards and the camera's tilt) and
-`local` blocks (the pose of each view, or the planar motion of each frame). With residual r = predicted - found [px],
-J_s and J_l its derivatives and W the weights, the local blocks are eliminated (Schur complement)::
+Unknowns fall into `shared` ones (intrinsics and, when boards stand still, the boards and the camera's tilt)
+and `local` blocks (the pose of each view, or the planar motion of each frame). With residual r = predicted -
+found [px], J_s and J_l its derivatives and W the weights, the local blocks are eliminated (Schur
+complement)::
 
     S = sum J_s' W J_s - sum_b (J_s' W J_l)_b (J_l' W J_l)_b^-1 (J_l' W J_s)_b
 
 S is the information about the shared unknowns; its inverse times the noise variance is their covariance.
-Sources: Triggs et al., Bundle Adjustment - A Modern Synthesis, 2000, section 6; Huber, Robust Statistics, 1981.
+Sources: Triggs et al., Bundle Adjustment - A Modern Synthesis, 2000, section 6; Huber, Robust Statistics,
+1981.
 """
 
 from __future__ import annotations
@@ -16,6 +19,7 @@ from dataclasses import dataclass, replace
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsm_calib.types import FloatArray
 
@@ -28,8 +32,8 @@ _RIDGE = 1e-12  # relative to the diagonal: keeps a block of an unobserved unkno
 class Linearized:
     """Residuals and derivatives of every view at one state.
 
-    residual : (views, 2 n) [px]; shared : (views, 2 n, s); local : (views, 2 n, l); block : (views,) number of the
-    local block that the view's local derivatives belong to.
+    residual : (views, 2 n) [px]; shared : (views, 2 n, s); local : (views, 2 n, l); block : (views,) number
+    of the local block that the view's local derivatives belong to.
     """
 
     residual: FloatArray
@@ -60,7 +64,9 @@ class Problem(Protocol[State]):
 
 @dataclass(frozen=True, eq=False)
 class Prior:
-    """What is known beforehand of the shared unknowns: mean (s,) and standard deviation (s,), inf for nothing."""
+    """What is known beforehand of the shared unknowns: mean (s,) and standard deviation (s,), inf for
+    nothing.
+    """
 
     mean: FloatArray
     deviation: FloatArray
@@ -83,8 +89,10 @@ class Normal:
     local_inverse: FloatArray
     local_gradient: FloatArray
 
-    def step(self, held: FloatArray, damping: float) -> tuple[FloatArray, FloatArray]:
-        """Return the step of the shared (s,) and local (blocks, l) unknowns; `held` marks unknowns that stay."""
+    def step(self, held: NDArray[np.bool_], damping: float) -> tuple[FloatArray, FloatArray]:
+        """Return the step of the shared (s,) and local (blocks, l) unknowns; `held` marks unknowns that
+        stay.
+        """
         free = ~held
         matrix = self.information[np.ix_(free, free)]
         scale = np.diag(matrix) * damping + np.diag(matrix).max(initial=0.0) * _RIDGE
@@ -121,8 +129,9 @@ DEFAULT_BUNDLE = BundleSettings()
 class Solution(Generic[State]):
     """The end of a fit.
 
-    state : the problem's state; cost : weighted sum of squares, prior included [px^2]; normal : normal equations
-    there; weights : (views, n) in [0, 1]; linearized : residuals and derivatives there; steps : how many were tried.
+    state : the problem's state; cost : weighted sum of squares, prior included [px^2]; normal : normal
+    equations there; weights : (views, n) in [0, 1]; linearized : residuals and derivatives there; steps : how
+    many were tried.
     """
 
     state: State
@@ -140,7 +149,9 @@ class Solution(Generic[State]):
 
 def with_prior(normal: Normal, prior: FloatArray, offset: FloatArray) -> Normal:
     """Return the normal equations with a prior of information (s,) whose mean lies `-offset` (s,) away."""
-    return replace(normal, information=normal.information + np.diag(prior), gradient=normal.gradient + prior * offset)
+    return replace(
+        normal, information=normal.information + np.diag(prior), gradient=normal.gradient + prior * offset
+    )
 
 
 def normal_equations(linearized: Linearized, weights: FloatArray, damping: float = 0.0) -> Normal:
@@ -159,7 +170,7 @@ def normal_equations(linearized: Linearized, weights: FloatArray, damping: float
     flat = weighted_shared.reshape(-1, shared.shape[2])
     information = flat.T @ shared.reshape(-1, shared.shape[2]) - np.einsum("bsl,btl->st", reduced, cross)
     gradient = flat.T @ residual.ravel() - np.einsum("bsl,bl->s", reduced, local_gradient)
-    return Normal(information, gradient, cross, inverse, local_gradient)
+    return Normal(information, gradient, cross, np.asarray(inverse, dtype=float), local_gradient)
 
 
 def _summed(values: FloatArray, block: np.ndarray, blocks: int) -> FloatArray:
@@ -176,13 +187,17 @@ def corner_distances(residual: FloatArray) -> FloatArray:
 
 
 def robust_sigma(residual: FloatArray, kept: FloatArray) -> float:
-    """Return the noise per coordinate [px] from the median corner distance (Rayleigh: median = 1.177 sigma)."""
+    """Return the noise per coordinate [px] from the median corner distance (Rayleigh: median = 1.177
+    sigma).
+    """
     distances = corner_distances(residual)[kept > 0.0]
     return max(float(np.median(distances)) / 1.1774, 1e-6) if distances.size else 1e-6
 
 
 def huber_weights(residual: FloatArray, kept: FloatArray, sigmas: float) -> FloatArray:
-    """Return weights (views, n): 1 within `sigmas` robust deviations of the length, falling as 1/length beyond."""
+    """Return weights (views, n): 1 within `sigmas` robust deviations of the length, falling as 1/length
+    beyond.
+    """
     limit = sigmas * robust_sigma(residual, kept)
     return kept * np.minimum(1.0, limit / np.maximum(corner_distances(residual), 1e-12))
 
@@ -190,7 +205,7 @@ def huber_weights(residual: FloatArray, kept: FloatArray, sigmas: float) -> Floa
 def fit(
     problem: Problem[State],
     state: State,
-    held: FloatArray,
+    held: NDArray[np.bool_],
     kept: FloatArray,
     settings: BundleSettings = DEFAULT_BUNDLE,
     prior: Prior | None = None,
@@ -211,7 +226,9 @@ def fit(
     damping, steps = 1e-4, 0
     while steps < settings.most_steps and damping < _LARGEST_DAMPING:
         steps += 1
-        normal = with_prior(normal_equations(point.linearized, point.weights, damping), point.prior, point.offset)
+        normal = with_prior(
+            normal_equations(point.linearized, point.weights, damping), point.prior, point.offset
+        )
         candidate = problem.moved(point.state, *normal.step(held, damping))
         lower = point.cost_at(problem, candidate)
         if not lower < point.cost:
@@ -227,7 +244,9 @@ def fit(
 
 @dataclass(frozen=True, eq=False)
 class _Point(Generic[State]):
-    """A state with everything evaluated there; weights and the prior's strength stay fixed while a step is tried."""
+    """A state with everything evaluated there; weights and the prior's strength stay fixed while a step
+    is tried.
+    """
 
     state: State
     linearized: Linearized

@@ -25,9 +25,10 @@ class DroppedView:
 class ModelTrial:
     """One lens model that was tried.
 
-    coefficients : 4, 5 or 8 distortion coefficients; rms_px : root mean square corner distance of the fit [px];
-    cross_validated_px : the same on views that the fit had not seen [px]; predicted_px : predicted error over the
-    image [px]; is_sane : one ray per pixel; verdict : why it was kept or not.
+    coefficients : 4, 5 or 8 distortion coefficients; rms_px : root mean square corner distance of the fit
+    [px];
+    cross_validated_px : the same on views that the fit had not seen [px]; predicted_px : predicted error over
+    the image [px]; is_sane : one ray per pixel; verdict : why it was kept or not.
     """
 
     coefficients: int
@@ -50,13 +51,15 @@ class CameraCalibration:
     mean_px : float
         Mean of the same distances [px].
     paper_px : float
-        The paper's number: per image the norm of all distances over their count, averaged; RMS / sqrt(corners) [px].
+        The paper's number: per image the norm of all distances over their count, averaged; RMS /
+        sqrt(corners) [px].
     predicted_px : float
         Predicted projection error over the whole image, "al" of `prediction` [px].
     predicted_map : ImageError
         The same over a 25x19 grid.
     cross_validated_px : float
-        Root mean square corner distance on views that the fit had not seen; nan when it was not computed [px].
+        Root mean square corner distance on views that the fit had not seen; nan when it was not computed
+        [px].
     noise_px : float
         Estimated noise of one corner coordinate [px].
     covariance : array, shape (12, 12)

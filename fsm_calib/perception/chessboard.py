@@ -1,9 +1,9 @@
 """Chessboard corners: 0.1 px down to squares of 8 px, one order, and a reason for every refusal.
 
-The classic detector of OpenCV finds the grid; a sub-pixel search in a window that fits between the corners refines
-it. The tutorial's window (11 px to each side) takes in the neighbour corners of small squares and moves corners by
-up to 8 px; here the half-window is 0.35 of the smallest spacing, 4 to 9 px, and a board whose corners moved by more
-than 0.3 squares is refused.
+The classic detector of OpenCV finds the grid; a sub-pixel search in a window that fits between the corners
+refines it. The tutorial's window (11 px to each side) takes in the neighbour corners of small squares and
+moves corners by up to 8 px; here the half-window is 0.35 of the smallest spacing, 4 to 9 px, and a board
+whose corners moved by more than 0.3 squares is refused.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ class DetectorSettings:
     Parameters
     ----------
     window_of_spacing : float
-        Half-window of the sub-pixel search, in smallest corner spacings [1]; below 0.5 no neighbour is inside, and
-        0.35 stays clear of it when the detector's start is a pixel off.
+        Half-window of the sub-pixel search, in smallest corner spacings [1]; below 0.5 no neighbour is
+        inside, and 0.35 stays clear of it when the detector's start is a pixel off.
     smallest_window_px, largest_window_px : int
         Bounds of the half-window [px]: 4 keeps enough gradient, beyond 9 the lens bends the edges inside it.
     largest_move_squares : float
         A corner that the search moved farther than this from the detector's start is lost [squares].
     widest_edge_px : float
-        A board whose black-white edges are wider (10 to 90 %) is refused as blurred [px]. OpenCV advises 3 px; the
-        position of a blurred corner stays unbiased, so the limit is where its noise has doubled.
+        A board whose black-white edges are wider (10 to 90 %) is refused as blurred [px]. OpenCV advises 3
+        px; the position of a blurred corner stays unbiased, so the limit is where its noise has doubled.
     edge_of_spacing : float
         The same limit in smallest corner spacings [1]: small squares run into each other sooner.
     largest_side_px : int
@@ -64,8 +64,8 @@ _STOP_SEARCH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 30, 0.005)
 class BoardFinding:
     """What was found in one image: a view, or the reason why there is none.
 
-    view : the board's corners or None; refusal : one sentence, empty when there is a view; edge_width_px : width of
-    the black-white edges (10 to 90 %) [px], nan when not measured.
+    view : the board's corners or None; refusal : one sentence, empty when there is a view; edge_width_px :
+    width of the black-white edges (10 to 90 %) [px], nan when not measured.
     """
 
     view: BoardView | None
@@ -78,8 +78,12 @@ def as_gray(image: Image) -> Image:
     return image if image.ndim == 2 else np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
 
 
-def find_board(image: Image, board: BoardSpec, settings: DetectorSettings = DEFAULT_DETECTOR) -> BoardView | None:
-    """Return the corners of a whole `board` in a grey or BGR image, or None: the fast path of a moving robot."""
+def find_board(
+    image: Image, board: BoardSpec, settings: DetectorSettings = DEFAULT_DETECTOR
+) -> BoardView | None:
+    """Return the corners of a whole `board` in a grey or BGR image, or None: the fast path of a moving
+    robot.
+    """
     return inspect_board(image, board, settings=settings, thorough=False).view
 
 
@@ -112,7 +116,8 @@ def inspect_board(
     image : array, shape (height, width) or (height, width, 3), uint8, BGR
     board : BoardSpec
     thorough : bool
-        Search longer (no quick look first, then the sector-based detector), for photos rather than a live robot.
+        Search longer (no quick look first, then the sector-based detector), for photos rather than a live
+        robot.
     """
     gray = as_gray(image)
     rough = _rough_corners(gray, board, thorough, settings)
@@ -120,13 +125,17 @@ def inspect_board(
         return BoardFinding(None, _why_nothing(gray, board))
     corners = _refined(gray, rough, board, settings)
     if corners is None:
-        return BoardFinding(None, "the corners cannot be told apart: the squares are too small or too blurred")
+        return BoardFinding(
+            None, "the corners cannot be told apart: the squares are too small or too blurred"
+        )
     corners = canonical_order(corners, gray, board)
     width = edge_width(gray, corners, board)
     limit = min(settings.widest_edge_px, settings.edge_of_spacing * smallest_spacing(corners, board))
     limit = max(limit, 3.0)
     if width > limit:
-        return BoardFinding(None, f"the board is blurred: edges {width:.1f} px wide, at most {limit:.1f} px", width)
+        return BoardFinding(
+            None, f"the board is blurred: edges {width:.1f} px wide, at most {limit:.1f} px", width
+        )
     return BoardFinding(BoardView(corners), "", width)
 
 
@@ -139,13 +148,18 @@ def smallest_spacing(corners: FloatArray, board: BoardSpec) -> float:
 
 
 def edge_width(gray: Image, corners: FloatArray, board: BoardSpec) -> float:
-    """Return the mean width of the board's black-white edges, 10 to 90 % [px]; nan when it cannot be measured."""
+    """Return the mean width of the board's black-white edges, 10 to 90 % [px]; nan when it cannot be
+    measured.
+    """
     grid = corners.astype(np.float32).reshape(-1, 1, 2)
-    width = float(cv2.estimateChessboardSharpness(gray, (board.columns, board.rows), grid)[0][0])
+    figures = cv2.estimateChessboardSharpness(gray, (board.columns, board.rows), grid)[0]
+    width = float(np.ravel(figures)[0])
     return width if width > 0.0 else float("nan")
 
 
-def _rough_corners(gray: Image, board: BoardSpec, thorough: bool, settings: DetectorSettings) -> FloatArray | None:
+def _rough_corners(
+    gray: Image, board: BoardSpec, thorough: bool, settings: DetectorSettings
+) -> FloatArray | None:
     scale = min(1.0, settings.largest_side_px / max(gray.shape))
     small = gray if scale == 1.0 else np.asarray(cv2.resize(gray, None, fx=scale, fy=scale), dtype=np.uint8)
     size = (board.columns, board.rows)
@@ -157,14 +171,18 @@ def _rough_corners(gray: Image, board: BoardSpec, thorough: bool, settings: Dete
     return (corners.reshape(-1, 2).astype(float) + 0.5) / scale - 0.5
 
 
-def _refined(gray: Image, rough: FloatArray, board: BoardSpec, settings: DetectorSettings) -> FloatArray | None:
+def _refined(
+    gray: Image, rough: FloatArray, board: BoardSpec, settings: DetectorSettings
+) -> FloatArray | None:
     """Return refined corners, or None when one of them ran away with every window tried."""
     spacing = smallest_spacing(rough, board)
-    wanted = int(round(settings.window_of_spacing * spacing))
+    wanted = round(settings.window_of_spacing * spacing)
     first = int(np.clip(wanted, settings.smallest_window_px, settings.largest_window_px))
     for half in dict.fromkeys((first, max(first - 2, 3), 3)):
         start = np.ascontiguousarray(rough.reshape(-1, 1, 2), dtype=np.float32)
-        corners = cv2.cornerSubPix(gray, start, (half, half), (-1, -1), _STOP_SEARCH).reshape(-1, 2).astype(float)
+        corners = (
+            cv2.cornerSubPix(gray, start, (half, half), (-1, -1), _STOP_SEARCH).reshape(-1, 2).astype(float)
+        )
         moved = np.linalg.norm(corners - rough, axis=1)
         if np.all(moved <= settings.largest_move_squares * np.maximum(spacing, 5.0)):
             return corners
@@ -187,7 +205,7 @@ def _why_nothing(gray: Image, board: BoardSpec) -> str:
     """Return the most likely reason, in one sentence, why no board was found."""
     mean, spread = float(gray.mean()), float(gray.std())
     if spread < 8.0:
-        return f"the image is almost uniform (mean {mean:.0f}, contrast {spread:.0f} of 255): cover on or no light"
+        return f"the image is almost uniform (mean {mean:.0f}, contrast {spread:.0f} of 255)"
     if float(np.mean(gray > 250)) > 0.5:
         return "the image is over-exposed: more than half of it is white"
     return f"no whole board of {board.columns}x{board.rows} inner corners was found"

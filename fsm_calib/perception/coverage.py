@@ -1,7 +1,7 @@
 """Duckietown's four coverage bars: X, Y, size and skew of the boards in the images.
 
-The same numbers as ROS's camera_calibration shows to a person who waves a board, computed for any set of views.
-With A the board's area [px^2], W and H the image's sides [px], x and y the mean of the corners [px]::
+The same numbers as ROS's camera_calibration shows to a person who waves a board, computed for any set of
+views. With A the board's area [px^2], W and H the image's sides [px], x and y the mean of the corners [px]::
 
     p_x = (x - sqrt(A) / 2) / (W - sqrt(A)),  p_y alike,  p_size = sqrt(A / (W H)),
     p_skew = min(1, 2 |pi/2 - angle at the upper right corner|)
@@ -52,7 +52,9 @@ def view_parameters(view: BoardView, board: BoardSpec, image_size: tuple[int, in
     first, second = up_left - up_right, down_right - up_right
     cosine = float(first @ second) / float(np.linalg.norm(first) * np.linalg.norm(second))
     skew = 2.0 * abs(math.pi / 2.0 - math.acos(min(max(cosine, -1.0), 1.0)))
-    return np.array([np.clip(p_x, 0, 1), np.clip(p_y, 0, 1), math.sqrt(area / (width * height)), min(1.0, skew)])
+    return np.array(
+        [np.clip(p_x, 0, 1), np.clip(p_y, 0, 1), math.sqrt(area / (width * height)), min(1.0, skew)]
+    )
 
 
 def coverage(views: Sequence[BoardView], board: BoardSpec, image_size: tuple[int, int]) -> Coverage:

@@ -1,10 +1,11 @@
-"""Where the camera sits on the robot, from one image of a board flat on the floor, and the homography of the floor.
+"""Where the camera sits on the robot, from one image of a board flat on the floor, and the homography of the
+floor.
 
-Duckietown's board lies ahead of the robot with its rows across: the offset (x, y) [m] from the robot's origin (centre
-of the axle on the floor) to the board's near right corner, the outer corner of its outermost square; columns run
-along x, rows along y. The homography maps rectified pixels to the floor: (x, y, 1) ~ H (u, v, 1), metres.
-Sources: duckietown/dt-core image_processing and lib-dt-computer-vision boards.py (offsets, origin); the rule
-H[1][2] > 0 = corrupt from calibration_utils.py.
+Duckietown's board lies ahead of the robot with its rows across: the offset (x, y) [m] from the robot's origin
+(centre of the axle on the floor) to the board's near right corner, the outer corner of its outermost square;
+columns run along x, rows along y. The homography maps rectified pixels to the floor: (x, y, 1) ~ H (u, v, 1),
+metres. Sources: duckietown/dt-core image_processing and lib-dt-computer-vision boards.py (offsets, origin);
+the rule H[1][2] > 0 = corrupt from calibration_utils.py.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from fsm_calib.perception.board_order import half_turned
 from fsm_calib.perception.bundle import fit
 from fsm_calib.perception.chessboard import inspect_board
 from fsm_calib.perception.free_boards import FreeBoards, start_poses
-from fsm_calib.perception.lens import intrinsics_vector
+from fsm_calib.perception.lens import intrinsics_vector, unproject
 from fsm_calib.perception.rotations import base_from_camera, mount_from_pose
 from fsm_calib.types import BoardSpec, BoardView, CameraModel, CameraMount, FloatArray
 
@@ -30,9 +31,11 @@ FLOOR_BOARD_OFFSET = (0.16, -0.124)  # m; lib-dt-computer-vision boards.py, the 
 
 @dataclass(frozen=True, eq=False)
 class Extrinsics:
-    """The mount, the floor homography (3, 3) of rectified pixels, the fit's rms [px], and the axis's reach [m].
+    """The mount, the floor homography (3, 3) of rectified pixels, the fit's rms [px], and the axis's reach
+    [m].
 
-    axis_reach : where the optical axis (the principal point) meets the floor, ahead of the axle [m].
+    mount comes from the pose of the board (six unknowns), homography from the corners directly (eight);
+    axis_reach is where the homography sends the optical axis (the principal point), ahead of the axle [m].
     """
 
     mount: CameraMount
@@ -44,7 +47,8 @@ class Extrinsics:
 def board_points_base(board: BoardSpec, offset: tuple[float, float] = FLOOR_BOARD_OFFSET) -> FloatArray:
     """Return the inner corners of a floor board in `base`, shape (rows * columns, 3) [m].
 
-    The first corner is the far left one; rows run to the right (-y), so that the robot reads the board upright.
+    The first corner is the far left one; rows run to the right (-y), so that the robot reads the board
+    upright.
     """
     points = board.points_board()
     near, right = offset[0] + board.square, offset[1] + board.square
@@ -81,7 +85,9 @@ def calibrate_extrinsics(
     """
     finding = inspect_board(image, board)
     if finding.view is None:
-        raise DataError(finding.refusal, cure="Lay the board flat ahead of the robot, whole in the image and well lit.")
+        raise DataError(
+            finding.refusal, cure="Lay the board flat ahead of the robot, whole in the image and well lit."
+        )
     return extrinsics_of(finding.view, board, camera, offset, projection)
 
 
@@ -92,18 +98,36 @@ def extrinsics_of(
     offset: tuple[float, float] = FLOOR_BOARD_OFFSET,
     projection: FloatArray | None = None,
 ) -> Extrinsics:
-    """Return mount and floor homography from the corners of a board flat on the floor; see `calibrate_extrinsics`."""
-    fits = [_fit(corners, board, camera, offset) for corners in (view.corners_image, half_turned(view.corners_image))]
+    """Return mount and floor homography from the corners of a board flat on the floor; see
+    `calibrate_extrinsics`.
+    """
+    ways = (view.corners_image, half_turned(view.corners_image))
+    fits = [_fit(corners, board, camera, offset) for corners in ways]
     upright = [(mount, rms) for mount, rms in fits if mount.height > 0.0 and abs(mount.yaw) < np.pi / 2.0]
     if not upright or min(rms for _, rms in upright) > _LARGEST_RMS_PX:
         raise DataError(
-            f"the board does not lie on the floor ahead of the robot (best fit {min(rms for _, rms in fits):.1f} px)",
+            f"the board is not on the floor ahead (best fit {min(rms for _, rms in fits):.1f} px)",
             cure="Check the camera file, the board's size and its offset.",
         )
     mount, rms = min(upright, key=lambda found: found[1])
-    homography = floor_homography(mount, camera.matrix if projection is None else projection)
-    reach = homography @ _principal(camera, projection)
-    return Extrinsics(mount, homography, rms, float(reach[0] / reach[2]))
+    direct = _direct_homography(ways[0 if fits[0][0] is mount else 1], board, camera, offset)
+    reach = direct[0, 2] / direct[2, 2]
+    matrix = camera.matrix if projection is None else projection[:3, :3]
+    homography = direct @ np.linalg.inv(matrix)
+    return Extrinsics(mount, homography / homography[2, 2], rms, float(reach))
+
+
+def _direct_homography(
+    corners: FloatArray, board: BoardSpec, camera: CameraModel, offset: tuple[float, float]
+) -> FloatArray:
+    """Return the homography from undistorted rays to the floor with the least squared error on the floor.
+
+    It has two unknowns more than a pose, which take up what the camera file has wrong: on the floor near the
+    board it is nearer to the truth than the pose's own homography.
+    """
+    rays = unproject(intrinsics_vector(camera), corners)
+    homography, _ = cv2.findHomography(rays, board_points_base(board, offset)[:, :2], 0)
+    return np.asarray(homography, dtype=float)
 
 
 def _fit(
@@ -121,27 +145,30 @@ def _fit(
 
 
 def floor_homography(mount: CameraMount, projection: FloatArray) -> FloatArray:
-    """Return the homography (3, 3) from rectified pixels to the floor [m], scaled so that its last entry is 1."""
+    """Return the homography (3, 3) from rectified pixels to the floor [m], scaled so that its last entry
+    is 1.
+    """
     rotation, position = base_from_camera(mount)
     camera_from_base = rotation.T
     shift = -camera_from_base @ position
-    image_from_floor = projection[:3, :3] @ np.column_stack([camera_from_base[:, 0], camera_from_base[:, 1], shift])
+    image_from_floor = projection[:3, :3] @ np.column_stack(
+        [camera_from_base[:, 0], camera_from_base[:, 1], shift]
+    )
     homography = np.linalg.inv(image_from_floor)
     return np.asarray(homography / homography[2, 2])
 
 
 def is_corrupt(homography: FloatArray) -> bool:
-    """Tell whether Duckietown's software would refuse the homography: H[1][2] > 0 (a board read upside down)."""
+    """Tell whether Duckietown's software would refuse the homography: H[1][2] > 0 (a board read upside
+    down).
+    """
     return bool(homography[1, 2] > 0.0)
 
 
-def _principal(camera: CameraModel, projection: FloatArray | None) -> FloatArray:
-    matrix = camera.matrix if projection is None else projection
-    return np.array([matrix[0, 2], matrix[1, 2], 1.0])
-
-
 def rectified_matrix(camera: CameraModel) -> FloatArray:
-    """Return the camera matrix (3, 3) [px] of the rectified image that shows no black border (ROS's alpha 0)."""
+    """Return the camera matrix (3, 3) [px] of the rectified image that shows no black border (ROS's alpha
+    0).
+    """
     matrix, _ = cv2.getOptimalNewCameraMatrix(
         camera.matrix, camera.distortion, (camera.width, camera.height), 0.0, (camera.width, camera.height)
     )

@@ -40,5 +40,5 @@ def why_not_a_duckiebot(intrinsics: FloatArray, image_size: tuple[int, int]) -> 
     limits = (_LARGEST_FOCAL_CHANGE_PX,) * 2 + (_LARGEST_CENTRE_CHANGE_PX,) * 2
     for name, value, off, limit in zip(("fx", "fy", "cx", "cy"), intrinsics, change, limits, strict=False):
         if off > limit:
-            return f"{name} = {value:.0f} px is {off:.0f} px from the fleet's median, at most {limit:.0f} px expected"
+            return f"{name} = {value:.0f} px is {off:.0f} px from the fleet's median, {limit:.0f} px allowed"
     return ""

@@ -1,11 +1,13 @@
 """Every board view has a pose of its own: the classic camera calibration as a bundle problem.
 
-A view's pose takes board points X to the camera frame: X_c = R X + t [m]. A step (w, d) of its six local unknowns
-turns and shifts it there: R <- exp(w) R, t <- exp(w) t + d, w [rad], d [m]; so dX_c/dw = -skew(X_c), dX_c/dd = I.
+A view's pose takes board points X to the camera frame: X_c = R X + t [m]. A step (w, d) of its six local
+unknowns turns and shifts it there: R <- exp(w) R, t <- exp(w) t + d, w [rad], d [m]; so dX_c/dw = -skew(X_c),
+dX_c/dd = I.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -19,7 +21,9 @@ from fsm_calib.types import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class BoardPoses:
-    """Intrinsics (12,), see `lens`, and the boards' poses in the camera: rotation (views, 3, 3), shift (views, 3) [m]."""
+    """Intrinsics (12,), see `lens`, and the boards' poses in the camera: rotation (views, 3, 3), shift
+    (views, 3) [m].
+    """
 
     intrinsics: FloatArray
     rotation: FloatArray
@@ -81,7 +85,9 @@ class FreeBoards:
 
 
 def start_poses(intrinsics: FloatArray, corners_image: FloatArray, points_board: FloatArray) -> BoardPoses:
-    """Return the poses that explain each view's corners with these intrinsics (infinitesimal plane-based solution)."""
+    """Return the poses that explain each view's corners with these intrinsics (infinitesimal plane-based
+    solution).
+    """
     rotations, shifts = [], []
     for corners in corners_image:
         rays = np.ascontiguousarray(unproject(intrinsics, corners))
@@ -94,7 +100,7 @@ def start_poses(intrinsics: FloatArray, corners_image: FloatArray, points_board:
     return BoardPoses(np.array(intrinsics, dtype=float), np.array(rotations), np.array(shifts))
 
 
-def _best_in_front(turns: tuple, shifts: tuple) -> tuple[FloatArray, FloatArray]:
+def _best_in_front(turns: Sequence, shifts: Sequence) -> tuple[FloatArray, FloatArray]:
     """Return the first (best) solution in front of the camera."""
     for turn, shift in zip(turns, shifts, strict=True):
         if float(np.ravel(shift)[2]) > 0.0:

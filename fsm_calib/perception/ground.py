@@ -3,8 +3,8 @@
 A pixel's undistorted ray (x, y, 1), turned into `base` by the mount, meets the floor z = 0 at
 p = o - o_z / d_z d with o the camera's position [m] and d the ray's direction in `base`.
 
-A tag's heading is read in the floor frame. The angle about the optical axis, which the paper's program reads, is
-only sin(pitch) of it for a tag on the floor; it is kept as `heading_camera` for comparison.
+A tag's heading is read in the floor frame. The angle about the optical axis, which the paper's program reads,
+is only sin(pitch) of it for a tag on the floor; it is kept as `heading_camera` for comparison.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ class TagSettings:
         Reprojection error of the second pose over the first [1]; below it the two cannot be told apart by the
         image, and the tilt must decide alone (see `largest_clear_tilt`).
     largest_clear_tilt : float
-        A pose with an ambiguous ratio is still taken when it lies this flat [rad] and its rival does not pass.
+        A pose with an ambiguous ratio is still taken when it lies this flat [rad] and its rival does not
+        pass.
     """
 
     largest_tilt: float = math.radians(10.0)
@@ -53,7 +54,9 @@ DEFAULT_TAGS = TagSettings()
 
 @dataclass(frozen=True, eq=False)
 class TagPose:
-    """A tag in the camera frame: rotation (3, 3), centre (3,) [m], root mean square reprojection error [px]."""
+    """A tag in the camera frame: rotation (3, 3), centre (3,) [m], root mean square reprojection error
+    [px].
+    """
 
     rotation: FloatArray
     centre: FloatArray
@@ -74,32 +77,44 @@ def floor_points(image_points: FloatArray, camera: CameraModel, mount: CameraMou
 
 
 def tag_corners(tag_size: float) -> FloatArray:
-    """Return the corners of a tag of side `tag_size` [m] in its own frame, shape (4, 3) [m], library order."""
+    """Return the corners of a tag of side `tag_size` [m] in its own frame, shape (4, 3) [m], library
+    order.
+    """
     half = tag_size / 2.0
     return np.array([[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]])
 
 
 def tag_poses(detection: TagDetection, camera: CameraModel, tag_size: float) -> tuple[TagPose, ...]:
-    """Return the two poses that explain a tag's corners, the better first (infinitesimal plane-based solution).
+    """Return the two poses that explain a tag's corners, the better first (infinitesimal plane-based
+    solution).
 
-    Source: Collins and Bartoli, IJCV 2014 (OpenCV's IPPE_SQUARE, which wants top left, top right, bottom right,
-    bottom left).
+    Source: Collins and Bartoli, IJCV 2014 (OpenCV's IPPE_SQUARE, which wants top left, top right, bottom
+    right, bottom left).
     """
     rays = unproject(intrinsics_vector(camera), detection.corners_image)
     order = [3, 2, 1, 0]
     corners, found = np.ascontiguousarray(tag_corners(tag_size)[order]), np.ascontiguousarray(rays[order])
-    _, turns, centres, _ = cv2.solvePnPGeneric(corners, found, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE)
+    _, turns, centres, _ = cv2.solvePnPGeneric(
+        corners, found, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
+    )
     scale = float(np.sqrt(camera.matrix[0, 0] * camera.matrix[1, 1]))
-    poses = [_refined(corners, found, turn, centre, scale) for turn, centre in zip(turns, centres, strict=True)]
+    poses = [
+        _refined(corners, found, np.asarray(turn, float), np.asarray(centre, float), scale)
+        for turn, centre in zip(turns, centres, strict=True)
+    ]
     return tuple(sorted(poses, key=lambda pose: pose.error))
 
 
-def _refined(corners: FloatArray, rays: FloatArray, turn: FloatArray, centre: FloatArray, scale: float) -> TagPose:
-    """Return the pose after a least-squares refinement: the closed form is up to 2.5 deg off for a tag seen head on."""
-    turn, centre = cv2.solvePnPRefineLM(corners, rays, np.eye(3), None, turn.copy(), centre.copy())
-    predicted, _ = cv2.projectPoints(corners, turn, centre, np.eye(3), None)
+def _refined(
+    corners: FloatArray, rays: FloatArray, turn: FloatArray, centre: FloatArray, scale: float
+) -> TagPose:
+    """Return the pose after a least-squares refinement: the closed form is up to 2.5 deg off for a tag
+    seen head on.
+    """
+    better, place = cv2.solvePnPRefineLM(corners, rays, np.eye(3), None, turn.copy(), centre.copy())
+    predicted, _ = cv2.projectPoints(corners, better, place, np.eye(3), None)
     error = float(np.sqrt(np.mean(np.sum((predicted[:, 0] - rays) ** 2, axis=1))))
-    return TagPose(rotation_from_vector(np.ravel(turn)), np.ravel(centre), error * scale)
+    return TagPose(rotation_from_vector(np.ravel(better)), np.ravel(place), error * scale)
 
 
 def observe_tags(
@@ -109,7 +124,8 @@ def observe_tags(
     tag_size: float = 0.065,
     settings: TagSettings = DEFAULT_TAGS,
 ) -> tuple[TagObservation, ...]:
-    """Return the floor tags relative to the robot, the nearest first; tags whose pose is in doubt are left out.
+    """Return the floor tags relative to the robot, the nearest first; tags whose pose is in doubt are left
+    out.
 
     Parameters
     ----------
@@ -162,7 +178,7 @@ def _observation(
 def _camera_heading(rotation: FloatArray) -> float:
     """Return the paper's reading [rad]: yaw about the optical axis, zero for a tag whose x axis points away.
 
-    The image's up direction (-y of the camera) is where a tag straight ahead has its x axis; counter-clockwise on
-    the floor is counter-clockwise in the image.
+    The image's up direction (-y of the camera) is where a tag straight ahead has its x axis;
+    counter-clockwise on the floor is counter-clockwise in the image.
     """
     return wrap_angle(math.atan2(-rotation[0, 0], -rotation[1, 0]))

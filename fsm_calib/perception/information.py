@@ -1,13 +1,14 @@
 """What a view adds while the robot scans, when to stop, and what to say when the boards cannot give more.
 
-The information S about the intrinsics (8 of the 12 are free while scanning: f, c, k1, k2, p1, p2) is a sum over
-views, so the predicted error over the image after one more view costs one 8x8 inverse::
+The information S about the intrinsics (8 of the 12 are free while scanning: f, c, k1, k2, p1, p2) is a sum
+over views, so the predicted error over the image after one more view costs one 8x8 inverse::
 
     predicted^2 = s^2 trace(A (S + S_v)^-1 A') / grid points
 
-with s the noise of a corner coordinate [px] and A from `prediction`. The stop rule (0.5 px twice in a row, every board
-seen in 8 views, 15 views in all) left a true error of 0.28 px in the median and 0.71 px at worst over 120 simulated
-scans. Sources: Peng and Sturm, Calibration Wizard, ICCV 2019 (next best view by covariance); mrcal (uncertainty).
+with s the noise of a corner coordinate [px] and A from `prediction`. The stop rule (0.5 px twice in a row,
+every board seen in 8 views, 15 views in all) left a true error of 0.28 px in the median and 0.71 px at worst
+over 120 simulated scans. Sources: Peng and Sturm, Calibration Wizard, ICCV 2019 (next best view by
+covariance); mrcal (uncertainty).
 """
 
 from __future__ import annotations
@@ -63,9 +64,9 @@ DEFAULT_STOP = StopRule()
 class ScanProgress:
     """What a scan knows so far.
 
-    camera : CameraModel; information : (12, 12) about the intrinsics, in 1/px^2 of unit noise; noise_px : noise of a
-    corner coordinate [px]; predicted : error over the image; views : accepted; views_per_board; rms_px : of the last
-    solve [px].
+    camera : CameraModel; information : (12, 12) about the intrinsics, in 1/px^2 of unit noise; noise_px :
+    noise of a corner coordinate [px]; predicted : error over the image; views : accepted; views_per_board;
+    rms_px : of the last solve [px].
     """
 
     camera: CameraModel
@@ -92,7 +93,9 @@ def begin_scan(image_size: tuple[int, int], boards: int, guess: CameraModel | No
 def solve_scan(
     views: Sequence[BoardView], board: BoardSpec, progress: ScanProgress, *, boards: int | None = None
 ) -> ScanProgress:
-    """Return the progress after a solve with all `views`, started from the last camera: about 20 ms for 60 views."""
+    """Return the progress after a solve with all `views`, started from the last camera: about 20 ms for
+    60 views.
+    """
     image_size = (progress.camera.width, progress.camera.height)
     count = len(progress.views_per_board) if boards is None else boards
     per_board = tuple(sum(view.board == number for view in views) for number in range(count))
@@ -108,7 +111,9 @@ def solve_scan(
     freedom = max(weights.size - 6 * len(views) - _FREE.size, 1)
     noise = float(np.sqrt(np.sum(weights * solution.residual**2) / freedom))
     rms = float(np.sqrt(2.0 * np.mean(solution.residual**2)))
-    return _progress(solution.state.intrinsics, solution.normal.information, noise, image_size, per_board, rms)
+    return _progress(
+        solution.state.intrinsics, solution.normal.information, noise, image_size, per_board, rms
+    )
 
 
 def view_information(view: BoardView, board: BoardSpec, camera: CameraModel) -> FloatArray:
@@ -144,13 +149,17 @@ def with_view(view: BoardView, board: BoardSpec, progress: ScanProgress) -> Scan
     )
 
 
-def is_worth_keeping(view: BoardView, board: BoardSpec, progress: ScanProgress, rule: StopRule = DEFAULT_STOP) -> bool:
+def is_worth_keeping(
+    view: BoardView, board: BoardSpec, progress: ScanProgress, rule: StopRule = DEFAULT_STOP
+) -> bool:
     """Tell whether a view adds enough, or its board has fewer views than the rule asks for."""
     seen = progress.views_per_board[view.board] if view.board < len(progress.views_per_board) else 0
     return seen < rule.views_per_board or view_gain(view, board, progress) >= rule.smallest_gain
 
 
-def is_enough(history: Sequence[float], views_per_board: Sequence[int], rule: StopRule = DEFAULT_STOP) -> bool:
+def is_enough(
+    history: Sequence[float], views_per_board: Sequence[int], rule: StopRule = DEFAULT_STOP
+) -> bool:
     """Tell whether the scan may stop: `history` holds the predicted errors of the evaluations so far [px]."""
     last = list(history)[-rule.times_in_a_row :]
     is_precise = len(last) == rule.times_in_a_row and max(last) <= rule.predicted_px
@@ -172,14 +181,17 @@ def weakest_region(error: ImageError) -> str:
 def advice(error: ImageError, rule: StopRule = DEFAULT_STOP) -> str:
     """Return what to do about boards that cannot reach the wanted precision, in one sentence."""
     region = weakest_region(error)
-    weakness = f"The image is least certain at the {region} ({error.max:.1f} px); {rule.predicted_px:.1f} px was wanted."
+    wanted = f"{rule.predicted_px:.1f} px over the image was wanted"
+    weakness = f"The image is least certain at the {region} ({error.max:.1f} px); {wanted}."
     if region.startswith("bottom"):
-        return f"{weakness} Lay a board flat on the floor close ahead of the robot: only it reaches the lower image."
+        return f"{weakness} Lay a board flat on the floor ahead of the robot: only it reaches there."
     return f"{weakness} Lean one board back by 20 to 40 degrees, turn another by 30, and put one nearer."
 
 
 def _prior(mean: FloatArray, image_size: tuple[int, int]) -> Prior:
-    """Return the fleet's spread, widened, as a prior that only guards: it changes a finished scan by under 2 %."""
+    """Return the fleet's spread, widened, as a prior that only guards: it changes a finished scan by
+    under 2 %.
+    """
     deviation = FLEET_DEVIATION * _FLEET_WIDTHS
     deviation[:4] *= image_size[0] / 640.0
     deviation[8:] = np.inf

@@ -1,8 +1,8 @@
 """Solve for a camera from chessboard views, and say how good the answer is.
 
-The order of work: start from the fleet's median (or the caller's guess), leave out corners and views that do not
-belong, fit 4, 5 and 8 distortion coefficients each from the last, choose by views left out, predict the error over
-the image from the covariance, and refuse what no camera can be.
+The order of work: start from the fleet's median (or the caller's guess), leave out corners and views that do
+not belong, fit 4, 5 and 8 distortion coefficients each from the last, choose by views left out, predict the
+error over the image from the covariance, and refuse what no camera can be.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def calibrate(
     used, kept, start, dropped = _without_outliers(problem, start, views, settings)
     if used.size < settings.fewest_views:
         raise DataError(
-            f"only {used.size} of {len(views)} views agree with each other; at least {settings.fewest_views} are needed",
+            f"only {used.size} of {len(views)} views agree; at least {settings.fewest_views} are needed",
             cure=f"Check the board's size and the first reason: {dropped[0].reason}.",
         )
     problem = problem.taken(used)
@@ -130,12 +130,12 @@ def _check(views: Sequence[BoardView], board: BoardSpec, settings: SolveSettings
     for view in views:
         if len(view.corners_image) != corners:
             raise InputError(
-                f"a view of {len(view.corners_image)} corners does not show a {board.columns}x{board.rows} board",
+                f"{len(view.corners_image)} corners are not a {board.columns}x{board.rows} board",
                 where=view.source,
             )
     if len(views) < settings.fewest_views:
         raise DataError(
-            f"{len(views)} views with the whole board are too few: at least {settings.fewest_views} are needed",
+            f"{len(views)} views of the whole board are too few, {settings.fewest_views} are needed",
             cure="Take 15 or more, near and far, tilted to every side, and into every corner of the image.",
         )
 
@@ -145,7 +145,8 @@ def _start(problem: FreeBoards, image_size: tuple[int, int], guess: CameraModel 
     others = []
     for widths in _OTHER_FOCALS:
         plain = np.zeros(12)
-        plain[:4] = widths * image_size[0], widths * image_size[0], *((side - 1) / 2.0 for side in image_size)
+        plain[:2] = widths * image_size[0]
+        plain[2:4] = (np.array(image_size) - 1.0) / 2.0
         others.append(plain)
     limit = _GOOD_START_OF_WIDTH * image_size[0]
     kept = np.ones(problem.corners_image.shape[:2])
@@ -173,7 +174,11 @@ def _without_outliers(
 
 
 def _refusal(
-    result: CameraCalibration, stage: Stage, image_size: tuple[int, int], is_duckiebot: bool, settings: SolveSettings
+    result: CameraCalibration,
+    stage: Stage,
+    image_size: tuple[int, int],
+    is_duckiebot: bool,
+    settings: SolveSettings,
 ) -> str:
     """Return the sentence that refuses the result, or an empty string."""
     width, height = image_size
@@ -184,9 +189,9 @@ def _refusal(
     if not (0.2 * width < vector[0] < 10.0 * width and abs(vector[1] / vector[0] - 1.0) < 0.2):
         return f"focal lengths {vector[0]:.0f} and {vector[1]:.0f} px are those of no camera"
     if abs(vector[2] - width / 2.0) > 0.3 * width or abs(vector[3] - height / 2.0) > 0.3 * height:
-        return f"the principal point ({vector[2]:.0f}, {vector[3]:.0f}) px is far from the image's middle"
+        return f"the principal point ({vector[2]:.0f}, {vector[3]:.0f}) px is far off the image's middle"
     if result.cross_validated_px > limit:
-        return f"unseen views are predicted to {result.cross_validated_px:.1f} px, at most {limit:.1f} px expected"
+        return f"unseen views are off by {result.cross_validated_px:.1f} px, {limit:.1f} px allowed"
     if result.predicted_px > limit:
-        return f"the views leave an error of {result.predicted_px:.1f} px over the image, at most {limit:.1f} px expected"
+        return f"the views leave {result.predicted_px:.1f} px over the image, {limit:.1f} px allowed"
     return why_not_a_duckiebot(vector, image_size) if is_duckiebot else ""

@@ -1,10 +1,11 @@
 """The robot's pose in its lane from one image.
 
-White and yellow pixels are projected to the floor. In the lane's frame a floor point p = (x, y) of `base` has the
-lateral coordinate s = d + x sin(phi) + y cos(phi) [m] (left of the lane's centre positive); pixels of the white line
-have s near -(w + w_white)/2, those of the yellow one s near (w + w_yellow)/2, with w the clear width of the lane.
-A vote over (d, phi) finds the lane, a robust least-squares fit of both lines refines it.
-Source of the idea: Paull et al., Duckietown, ICRA 2017 (the lane filter's histogram); signs as Duckietown's LanePose.
+White and yellow pixels are projected to the floor. In the lane's frame a floor point p = (x, y) of `base` has
+the lateral coordinate s = d + x sin(phi) + y cos(phi) [m] (left of the lane's centre positive); pixels of the
+white line have s near -(w + w_white)/2, those of the yellow one s near (w + w_yellow)/2, with w the clear
+width of the lane. A vote over (d, phi) finds the lane, a robust least-squares fit of both lines refines it.
+Source of the idea: Paull et al., Duckietown, ICRA 2017 (the lane filter's histogram); signs as Duckietown's
+LanePose.
 """
 
 from __future__ import annotations
@@ -75,7 +76,9 @@ def observe_lane(
     return None if start is None else _refine(white, yellow, start, settings)
 
 
-def _floor_pixels(mask: FloatArray, camera: CameraModel, mount: CameraMount, settings: LaneSettings) -> FloatArray:
+def _floor_pixels(
+    mask: NDArray, camera: CameraModel, mount: CameraMount, settings: LaneSettings
+) -> FloatArray:
     """Return floor points (n, 2) [m] of the set pixels inside the range, thinned evenly."""
     rows, columns = np.nonzero(mask)
     step = max(1, rows.size // (4 * settings.most_points))

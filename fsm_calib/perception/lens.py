@@ -1,13 +1,14 @@
 """The lens: projection with derivatives, its inverse, and whether it folds inside the image.
 
-One vector of 12 intrinsics serves both models: fx, fy, cx, cy [px], k1, k2, p1, p2, k3, k4, k5, k6 [1] (the last three
-zero for plumb_bob). With x = X/Z, y = Y/Z, r2 = x^2 + y^2::
+One vector of 12 intrinsics serves both models: fx, fy, cx, cy [px], k1, k2, p1, p2, k3, k4, k5, k6 [1] (the
+last three zero for plumb_bob). With x = X/Z, y = Y/Z, r2 = x^2 + y^2::
 
     c  = (1 + k1 r2 + k2 r2^2 + k3 r2^3) / (1 + k4 r2 + k5 r2^2 + k6 r2^3)
     u  = fx (c x + 2 p1 x y + p2 (r2 + 2 x^2)) + cx
     v  = fy (c y + p1 (r2 + 2 y^2) + 2 p2 x y) + cy
 
-Source: OpenCV, "Camera Calibration and 3D Reconstruction" (same symbols); Brown, Close-range camera calibration, 1971.
+Source: OpenCV, "Camera Calibration and 3D Reconstruction" (same symbols); Brown, Close-range camera
+calibration, 1971.
 """
 
 from __future__ import annotations
@@ -42,7 +43,9 @@ def camera_model(vector: FloatArray, image_size: tuple[int, int]) -> CameraModel
 
 
 def radial_factor(vector: FloatArray, r2: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the factor c, dc/dr2 and the denominator at squared radii `r2` [1], each of the shape of `r2`."""
+    """Return the factor c, dc/dr2 and the denominator at squared radii `r2` [1], each of the shape of
+    `r2`.
+    """
     k1, k2, _, _, k3, k4, k5, k6 = vector[4:12]
     above = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
     below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))
@@ -114,10 +117,11 @@ def _by_intrinsics(
 
 
 def unproject(vector: FloatArray, image: FloatArray) -> FloatArray:
-    """Return the undistorted rays (x, y) = (X/Z, Y/Z), shape (..., 2) [1], of image points, shape (..., 2) [px].
+    """Return the undistorted rays (x, y) = (X/Z, Y/Z), shape (..., 2) [1], of image points, shape (..., 2)
+    [px].
 
-    A radial table gives the start, Newton's method the rest. Points beyond the fold of a folding lens get the ray
-    of the fold.
+    A radial table gives the start, Newton's method the rest. Points beyond the fold of a folding lens get the
+    ray of the fold.
     """
     distorted = (np.asarray(image, dtype=float) - vector[2:4]) / vector[:2]
     radius = np.linalg.norm(distorted, axis=-1)
@@ -156,7 +160,9 @@ def _undistorted_radius(vector: FloatArray, distorted: FloatArray) -> FloatArray
 
 
 def is_sane_over_image(vector: FloatArray, image_size: tuple[int, int]) -> bool:
-    """Tell whether the lens maps every pixel of the image to one ray: monotone radius, positive denominator."""
+    """Tell whether the lens maps every pixel of the image to one ray: monotone radius, positive
+    denominator.
+    """
     width, height = image_size
     corners = np.array([[0, 0], [width - 1, 0], [0, height - 1], [width - 1, height - 1]], dtype=float)
     farthest = float(np.max(np.linalg.norm((corners - vector[2:4]) / vector[:2], axis=1)))

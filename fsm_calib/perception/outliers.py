@@ -1,4 +1,6 @@
-"""Corners and views that do not belong: found with the most flexible model, so that a stiff lens is not to blame."""
+"""Corners and views that do not belong: found with the most flexible model, so that a stiff lens is not
+to blame.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ from fsm_calib.types import FloatArray
 
 
 def kept_corners(residual: FloatArray, kept: FloatArray, settings: SolveSettings) -> FloatArray:
-    """Return which corners stay, (views, n) of 0 or 1: those within so many noise deviations of their prediction."""
+    """Return which corners stay, (views, n) of 0 or 1: those within so many noise deviations of their
+    prediction.
+    """
     limit = max(settings.outlier_sigmas * robust_sigma(residual, kept), settings.smallest_outlier_px)
     return np.asarray(kept * (corner_distances(residual) <= limit))
 

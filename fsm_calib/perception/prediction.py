@@ -1,13 +1,16 @@
 """How far a calibration is from the truth, over the whole image: predicted from its covariance, or measured.
 
-The number everywhere is "al": the distance in the image between two cameras' projections of the same ray, root mean
-square over a 25x19 grid of the whole image, after the best rotation between the two has been removed (the rotation
-is absorbed by the later calibration of the camera against the floor). mrcal calls this a projection difference at
-infinity. For small errors, with q the grid's image points, theta the intrinsics and rho a rotation [rad]::
+The number everywhere is "al": the distance in the image between two cameras' projections of the same ray,
+root mean square over a 25x19 grid of the whole image, after the best rotation between the two has been
+removed (the rotation is absorbed by the later calibration of the camera against the floor). mrcal calls this
+a projection difference at infinity. For small errors, with q the grid's image points, theta the intrinsics
+and rho a rotation [rad]::
 
-    dq = J_theta dtheta + J_rho rho,   A = (I - J_rho J_rho^+) J_theta,   predicted^2 = trace(A C A') / grid points
+    dq = J_theta dtheta + J_rho rho,   A = (I - J_rho J_rho^+) J_theta,   predicted^2 = trace(A C A') / grid
+    points
 
-with C the covariance of theta. Source: Kogan, mrcal documentation, "projection uncertainty" and "differencing".
+with C the covariance of theta. Source: Kogan, mrcal documentation, "projection uncertainty" and
+"differencing".
 """
 
 from __future__ import annotations
@@ -70,13 +73,17 @@ def sensitivity(intrinsics: FloatArray, image_size: tuple[int, int]) -> FloatArr
 
 
 def predicted_error(motion: FloatArray, covariance: FloatArray) -> ImageError:
-    """Return the predicted error over the image from `sensitivity` (950, 12) and the intrinsics' covariance (12, 12)."""
+    """Return the predicted error over the image from `sensitivity` (950, 12) and the intrinsics'
+    covariance (12, 12).
+    """
     variance = np.einsum("ij,jk,ik->i", motion, covariance, motion)
     return ImageError(np.sqrt(np.maximum(variance.reshape(-1, 2).sum(axis=1), 0.0)).reshape(GRID[::-1]))
 
 
 def projection_difference(first: CameraModel, second: CameraModel) -> ImageError:
-    """Return how differently two cameras see the same rays, over the image of `first`, best rotation removed."""
+    """Return how differently two cameras see the same rays, over the image of `first`, best rotation
+    removed.
+    """
     size, other = (first.width, first.height), intrinsics_vector(second)
     points = _directions(intrinsics_vector(first), size)
     wanted, rotation = image_grid(size), np.eye(3)
@@ -85,7 +92,7 @@ def projection_difference(first: CameraModel, second: CameraModel) -> ImageError
         image, by_point, _ = project_with_derivatives(other, turned)
         by_rotation = (-by_point @ skew(turned)).reshape(-1, 3)
         step, *_ = np.linalg.lstsq(by_rotation, (wanted - image).ravel(), rcond=None)
-        rotation = rotation_from_vector(step) @ rotation
+        rotation = rotation_from_vector(np.asarray(step, dtype=float)) @ rotation
         if float(np.linalg.norm(step)) < 1e-10:
             break
     difference = project(other, points @ rotation.T) - wanted

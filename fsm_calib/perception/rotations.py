@@ -10,7 +10,8 @@ import numpy as np
 
 from fsm_calib.types import CameraMount, FloatArray
 
-#: camera axes (x right, y down, z forward) written in base axes (x forward, y left, z up), for an untilted camera
+#: camera axes (x right, y down, z forward) written in base axes (x forward, y left, z up), for an untilted
+#: camera
 BASE_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 _SMALL_ANGLE = 1e-8  # rad; below it the series of sin(a)/a is used
 
@@ -65,22 +66,28 @@ def yaw_rotation(yaw: float) -> FloatArray:
 
 
 def tilt_rotation(pitch: float, roll: float) -> FloatArray:
-    """Return the rotation of the camera's box in levelled axes: pitch down [rad] about y left, then roll [rad] about x."""
-    return rotation_from_vector(np.array([0.0, pitch, 0.0])) @ rotation_from_vector(np.array([roll, 0.0, 0.0]))
+    """Return the rotation of the camera's box in levelled axes: pitch down [rad] about y left, then roll
+    [rad] about x.
+    """
+    return rotation_from_vector(np.array([0.0, pitch, 0.0])) @ rotation_from_vector(
+        np.array([roll, 0.0, 0.0])
+    )
 
 
 def base_from_camera(mount: CameraMount) -> tuple[FloatArray, FloatArray]:
     """Return the camera's rotation (3, 3) and position (3,) [m] in `base`.
 
-    R = Rz(yaw) Ry(pitch) Rx(roll) P with P the axes of an untilted camera; a positive pitch looks down, a positive
-    roll turns the camera clockwise as seen from behind, so that its right side goes down.
+    R = Rz(yaw) Ry(pitch) Rx(roll) P with P the axes of an untilted camera; a positive pitch looks down, a
+    positive roll turns the camera clockwise as seen from behind, so that its right side goes down.
     """
     rotation = yaw_rotation(mount.yaw) @ tilt_rotation(mount.pitch, mount.roll) @ BASE_FROM_OPTICAL
     return rotation, np.array([mount.forward, mount.left, mount.height])
 
 
 def mount_from_pose(rotation: FloatArray, position: FloatArray) -> CameraMount:
-    """Return the mount of a camera with `rotation` (3, 3) and `position` (3,) [m] in `base`: undo `base_from_camera`."""
+    """Return the mount of a camera with `rotation` (3, 3) and `position` (3,) [m] in `base`: undo
+    `base_from_camera`.
+    """
     box = rotation @ BASE_FROM_OPTICAL.T
     pitch = float(np.arcsin(np.clip(-box[2, 0], -1.0, 1.0)))
     return CameraMount(

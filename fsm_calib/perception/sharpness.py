@@ -6,9 +6,10 @@ S3 = {1}, S2 = {2, 3}, S1 = {4..7}. The value is::
     F = (E(S2) + E(S1 with u + v <= 8)) / E(S3)
 
 with E the mean energy per coefficient group minus the noise's, whose standard deviation is estimated as
-median|c(u >= 6, v >= 6)| / 0.6745. Being a ratio it does not depend on contrast, and the subtraction keeps its scale
-under noise. A reading of Zhang, Liu, Tan, Zhang, "Robust sharpness metrics using reorganized DCT coefficients for
-auto-focus application", ACCV 2014 (the paper's chapter 6, reference 13); their exact weights are not public.
+median|c(u >= 6, v >= 6)| / 0.6745. Being a ratio it does not depend on contrast, and the subtraction keeps
+its scale under noise. A reading of Zhang, Liu, Tan, Zhang, "Robust sharpness metrics using reorganized DCT
+coefficients for auto-focus application", ACCV 2014 (the paper's chapter 6, reference 13); their exact weights
+are not public.
 """
 
 from __future__ import annotations

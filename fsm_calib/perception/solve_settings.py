@@ -30,8 +30,8 @@ class SolveSettings:
     smallest_outlier_px : float
         No corner nearer than this is an outlier [px].
     light_prior : float
-        Standard deviation of a prior around 0 on k3, k4, k5, k6 [1]: it costs nothing where the boards reach and
-        keeps the lens from folding where they do not (mrcal calls it light regularization).
+        Standard deviation of a prior around 0 on k3, k4, k5, k6 [1]: it costs nothing where the boards reach
+        and keeps the lens from folding where they do not (mrcal calls it light regularization).
     largest_error_of_width : float
         A cross-validated or predicted error beyond this share of the image's width is refused [1].
     """

@@ -1,13 +1,13 @@
 """Fit lens models of growing size, each from the last, and choose by views that the fit has not seen.
 
-The reprojection error of a fit always falls when coefficients are added; the error of views left out of it does not.
-View v's mean squared distance e_v [px^2] is computed with v left out. With g_v = log(e_v of the small model / e_v of the
-large one), whose mean no single bad view can rule, the larger model is kept when
+The reprojection error of a fit always falls when coefficients are added; the error of views left out of it
+does not. View v's mean squared distance e_v [px^2] is computed with v left out. With g_v = log(e_v of the
+small model / e_v of the large one), whose mean no single bad view can rule, the larger model is kept when
 
     mean(g) > 2 sd(g) / sqrt(views)   and   sum(e of the large) < sum(e of the small),
 
-its lens maps every pixel to one ray, and its predicted error is not larger than what the smaller one is off: the
-larger of the smaller model's own predicted error and its distance from the larger model.
+its lens maps every pixel to one ray, and its predicted error is not larger than what the smaller one is off:
+the larger of the smaller model's own predicted error and its distance from the larger model.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ _POSE_FIT = BundleSettings(most_steps=6, smallest_gain=1e-4, huber_sigmas=1e6)
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """One fitted model: its size, solution, covariance (12, 12), and squared errors of views left out (views,) [px^2]."""
+    """One fitted model: its size, solution, covariance (12, 12), and squared errors of views left out
+    (views,) [px^2].
+    """
 
     coefficients: int
     solution: Solution[BoardPoses]
@@ -99,7 +101,9 @@ def evaluated(
 
 
 def folds(views: int, settings: SolveSettings) -> list[np.ndarray]:
-    """Return the groups of views to be left out, one view each for few views, every tenth together for many."""
+    """Return the groups of views to be left out, one view each for few views, every tenth together for
+    many.
+    """
     if views <= settings.all_but_one_up_to:
         return [np.array([view]) for view in range(views)]
     return [np.arange(first, views, settings.folds) for first in range(settings.folds)]
@@ -108,9 +112,15 @@ def folds(views: int, settings: SolveSettings) -> list[np.ndarray]:
 def left_out_errors(
     problem: FreeBoards, state: BoardPoses, coefficients: int, kept: FloatArray, settings: SolveSettings
 ) -> FloatArray:
-    """Return each view's mean squared corner distance under intrinsics fitted without it, shape (views,) [px^2]."""
+    """Return each view's mean squared corner distance under intrinsics fitted without it, shape (views,)
+    [px^2].
+    """
     views, errors = len(kept), np.zeros(len(kept))
-    held, all_held, prior = held_intrinsics(coefficients), np.ones(12, dtype=bool), light_prior(settings.light_prior)
+    held, all_held, prior = (
+        held_intrinsics(coefficients),
+        np.ones(12, dtype=bool),
+        light_prior(settings.light_prior),
+    )
     for out in folds(views, settings):
         rest = np.setdiff1d(np.arange(views), out)
         refit = fit(problem.taken(rest), state.taken(rest), held, kept[rest], _FOLD_FIT, prior)
@@ -122,12 +132,16 @@ def left_out_errors(
     return errors
 
 
-def choose(stages: Sequence[Stage], image_size: tuple[int, int], settings: SolveSettings) -> tuple[Stage, list[ModelTrial]]:
+def choose(
+    stages: Sequence[Stage], image_size: tuple[int, int], settings: SolveSettings
+) -> tuple[Stage, list[ModelTrial]]:
     """Return the chosen model and the account of all that were tried."""
     chosen, trials = stages[0], [_trial(stages[0], "the smallest")]
     for stage in stages[1:]:
         objection = _objection(chosen, stage, image_size, settings)
-        trials.append(_trial(stage, objection or f"better than {chosen.coefficients} coefficients on unseen views"))
+        trials.append(
+            _trial(stage, objection or f"better than {chosen.coefficients} coefficients on unseen views")
+        )
         chosen = chosen if objection else stage
     return chosen, trials
 
@@ -163,7 +177,9 @@ def _trial(stage: Stage, verdict: str) -> ModelTrial:
 def best_start(
     candidates: Sequence[FloatArray], problem: FreeBoards, kept: FloatArray, good: Callable[[float], bool]
 ) -> BoardPoses:
-    """Return the fitted 4-coefficient state of the first candidate that is `good` by its rms [px], else the best one."""
+    """Return the fitted 4-coefficient state of the first candidate that is `good` by its rms [px], else
+    the best one.
+    """
     best: tuple[float, BoardPoses] | None = None
     for intrinsics in candidates:
         start = start_poses(intrinsics, problem.corners_image, problem.points_board)

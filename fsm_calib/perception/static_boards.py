@@ -1,8 +1,9 @@
-"""Solve for a camera whose boards never move while it drives on the floor; pitch, roll and height come for free.
+"""Solve for a camera whose boards never move while it drives on the floor; pitch, roll and height come for
+free.
 
-A free solve gives every view six unknowns. Here a frame has three, and all views of one board share six: the fewer
-unknowns, the better the rest is known. Where the assumption does not hold (a board was pushed, the robot tilted),
-the noise of the fit grows; then the free answer is kept and the sentence says so.
+A free solve gives every view six unknowns. Here a frame has three, and all views of one board share six: the
+fewer unknowns, the better the rest is known. Where the assumption does not hold (a board was pushed, the
+robot tilted), the noise of the fit grows; then the free answer is kept and the sentence says so.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from fsm_calib.perception.board_order import half_turned, is_half_turn_ambiguous
 from fsm_calib.perception.bundle import Prior, Solution, fit
 from fsm_calib.perception.calibration import CameraCalibration, fit_figures
+from fsm_calib.perception.intrinsics import calibrate
 from fsm_calib.perception.lens import camera_model, intrinsics_vector, is_sane_over_image
 from fsm_calib.perception.outliers import kept_corners
 from fsm_calib.perception.prediction import predicted_error, sensitivity
@@ -39,12 +41,14 @@ _NOMINAL_TILT = (CameraMount().pitch, 0.0)
 class StaticSettings:
     """When the static answer is taken.
 
-    largest_noise_growth : its noise over the free solve's [1]; normal noise makes it 1.0, a board that moved by a
-    millimetre at half a metre makes it 3. fewest_frames : with fewer the frames do not hold the boards together.
+    largest_noise_growth : its noise over the free solve's [1]; normal noise makes it 1.0, a board that moved
+    by a millimetre at half a metre makes it 3. fewest_frames : with fewer the frames do not hold the boards
+    together. smallest_share : of the views that must fit their board [1].
     """
 
     largest_noise_growth: float = 1.5
     fewest_frames: int = 5
+    smallest_share: float = 0.8
 
 
 DEFAULT_STATIC = StaticSettings()
@@ -173,28 +177,47 @@ def _prior(problem: StaticBoards, settings: SolveSettings) -> Prior:
 
 
 def _result(
-    solution: Solution[StaticState], problem: StaticBoards, kept: FloatArray, held: np.ndarray, keep: np.ndarray,
-    free: CameraCalibration, limits: StaticSettings,
+    solution: Solution[StaticState], problem: StaticBoards, kept: FloatArray, held: np.ndarray,
+    keep: np.ndarray, free: CameraCalibration, limits: StaticSettings,
 ) -> StaticResult:  # fmt: skip
-    state, size = solution.state, (free.camera.width, free.camera.height)
+    state = solution.state
     covariance, noise = covariance_of(solution, held, 3 * len(state.frames))
     deviation = np.sqrt(np.diag(covariance)[12:FIRST_BOARD])
     height = _height(state, problem.points_board.mean(axis=0))
-    found = dict(
-        pitch=float(state.tilt[0]), roll=float(state.tilt[1]), height=height,
-        pitch_deviation=float(deviation[0]), roll_deviation=float(deviation[1]),
-        frames=state.frames, frame_numbers=np.unique(problem.frame),
-    )  # fmt: skip
-    if noise > limits.largest_noise_growth * free.noise_px or len(keep) < 0.8 * free.views_used:
-        sentence = f"the boards or the robot's height did not stay: noise {noise:.2f} px against {free.noise_px:.2f} px free"
-        return StaticResult(free, False, sentence, **found)
-    if not is_sane_over_image(state.intrinsics, size):
-        return StaticResult(free, False, "the lens folds inside the image", **found)
-    return StaticResult(_calibration(solution, kept, covariance[:12, :12], noise, keep, free, height), True, **found)
+    result = StaticResult(
+        calibration=free,
+        is_static=False,
+        pitch=float(state.tilt[0]),
+        roll=float(state.tilt[1]),
+        pitch_deviation=float(deviation[0]),
+        roll_deviation=float(deviation[1]),
+        height=height,
+        frames=state.frames,
+        frame_numbers=np.unique(problem.frame),
+    )
+    sentence = _objection(noise, len(keep), state, free, limits)
+    if sentence:
+        return replace(result, sentence=sentence)
+    static = _calibration(solution, kept, covariance[:12, :12], noise, keep, free, height)
+    return replace(result, calibration=static, is_static=True)
+
+
+def _objection(
+    noise: float, kept_views: int, state: StaticState, free: CameraCalibration, limits: StaticSettings
+) -> str:
+    """Return why the static answer is not taken, or an empty string."""
+    if kept_views < limits.smallest_share * free.views_used:
+        return f"only {kept_views} of {free.views_used} views show boards that stayed in place"
+    if noise > limits.largest_noise_growth * free.noise_px:
+        return f"boards or robot did not keep still: noise {noise:.2f} px, free {free.noise_px:.2f} px"
+    is_sane = is_sane_over_image(state.intrinsics, (free.camera.width, free.camera.height))
+    return "" if is_sane else "the lens folds inside the image"
 
 
 def _height(state: StaticState, middle: FloatArray) -> float:
-    """Return the camera's height over the boards that lie flat [m], nan without one: all cameras are at z = 0."""
+    """Return the camera's height over the boards that lie flat [m], nan without one: all cameras are at z
+    = 0.
+    """
     flat = np.abs(state.board_rotation[:, 2, 2]) > _FLAT
     centres = state.board_shift + state.board_rotation @ middle
     return float(-centres[flat, 2].mean()) if bool(flat.any()) else float("nan")
@@ -234,3 +257,33 @@ def _calibration(
         residuals=residuals,
         mount=mount,
     )
+
+
+def frames_of(views: Sequence[BoardView]) -> list[int]:
+    """Return a number for the image of each view: views with the same `source` share it, in order of
+    appearance.
+    """
+    numbers: dict[str, int] = {}
+    frames = []
+    for index, view in enumerate(views):
+        key = view.source or f"view {index}"
+        frames.append(numbers.setdefault(key, len(numbers)))
+    return frames
+
+
+def calibrate_scan(
+    views: Sequence[BoardView],
+    board: BoardSpec,
+    image_size: tuple[int, int],
+    *,
+    settings: SolveSettings = DEFAULT_SOLVE,
+) -> StaticResult:
+    """Return the calibration of a Duckiebot that scanned boards which did not move: free first, then static.
+
+    `BoardView.source` tells which views are of one image and must appear in order of time; `BoardView.board`
+    tells the boards apart.
+    """
+    free = calibrate(views, board, image_size, is_duckiebot=True, settings=settings)
+    if free.refused:
+        return StaticResult(free, False, free.reason)
+    return calibrate_static(views, frames_of(views), board, free, settings=settings)

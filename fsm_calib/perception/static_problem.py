@@ -1,15 +1,15 @@
 """Boards that never move, seen by a camera that only drives on a floor: the bundle problem.
 
-Shared unknowns: 12 intrinsics, the camera's pitch and roll [rad], six per board. Local unknowns: x, y [m] and yaw [rad]
-of each frame. A board point X goes to the camera by::
+Shared unknowns: 12 intrinsics, the camera's pitch and roll [rad], six per board. Local unknowns: x, y [m] and
+yaw [rad] of each frame. A board point X goes to the camera by::
 
     X_w = R_b X + t_b                       world: z up, all camera centres at z = 0
     X_l = Rz(-yaw) (X_w - (x, y, 0))        levelled camera
     X_c = M X_l,  M = P' Rx(-roll) Ry(-pitch)
 
-with P the axes of an untilted camera. The height of the camera over the floor is in the boards' heights: a board that
-lies on the floor tells it. One board of every group of boards that are never seen together keeps its place and yaw;
-without that the whole area could be turned and shifted.
+with P the axes of an untilted camera. The height of the camera over the floor is in the boards' heights: a
+board that lies on the floor tells it. One board of every group of boards that are never seen together keeps
+its place and yaw; without that the whole area could be turned and shifted.
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ FIRST_BOARD = 12 + TILTS
 
 @dataclass(frozen=True, eq=False)
 class StaticState:
-    """Intrinsics (12,), tilt (pitch, roll) [rad], boards in the world, frames (frames, 3): x, y [m], yaw [rad]."""
+    """Intrinsics (12,), tilt (pitch, roll) [rad], boards in the world, frames (frames, 3): x, y [m], yaw
+    [rad].
+    """
 
     intrinsics: FloatArray
     tilt: FloatArray
@@ -62,7 +64,9 @@ def yaw_back(yaw: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class StaticBoards:
-    """The problem: corners (views, n, 2) [px], points (n, 3) [m]; which board and frame each view shows (views,)."""
+    """The problem: corners (views, n, 2) [px], points (n, 3) [m]; which board and frame each view shows
+    (views,).
+    """
 
     corners_image: FloatArray
     points_board: FloatArray
@@ -79,7 +83,9 @@ class StaticBoards:
         return np.concatenate([state.intrinsics, state.tilt, np.zeros(6 * self.boards)])
 
     def _points(self, state: StaticState) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the points in the world and the levelled camera, (views, n, 3), and Rz(-yaw), (views, 3, 3)."""
+        """Return the points in the world and the levelled camera, (views, n, 3), and Rz(-yaw), (views, 3,
+        3).
+        """
         turned = self.points_board @ np.swapaxes(state.board_rotation[self.board], 1, 2)
         world = turned + state.board_shift[self.board][:, None]
         frames = state.frames[self.frame]
@@ -104,7 +110,9 @@ class StaticBoards:
         boards = np.zeros((*by_world.shape[:3], self.boards, 6))
         own = np.concatenate([-by_world @ skew(world), by_world], axis=-1)
         boards[np.arange(views), :, :, self.board] = own
-        shared = np.concatenate([by_intrinsics, np.stack(tilts, axis=-1), boards.reshape(*own.shape[:3], -1)], axis=-1)
+        shared = np.concatenate(
+            [by_intrinsics, np.stack(tilts, axis=-1), boards.reshape(*own.shape[:3], -1)], axis=-1
+        )
         turned = np.stack([level[..., 1], -level[..., 0], np.zeros(level.shape[:2])], axis=-1)
         by_yaw = np.einsum("vnij,vnj->vni", by_level, turned)[..., None]
         local = np.concatenate([-by_world[..., :2], by_yaw], axis=-1)

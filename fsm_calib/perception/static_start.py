@@ -1,4 +1,5 @@
-"""Where the static-board fit starts: the camera's tilt, the boards and the frames, from views solved one by one.
+"""Where the static-board fit starts: the camera's tilt, the boards and the frames, from views solved one by
+one.
 
 The camera turns about the vertical only, so the rotations between its views of one board share one axis: the
 vertical, seen by the camera. It gives pitch and roll; then frames and boards are placed one from another.
@@ -35,7 +36,9 @@ class LevelPose:
 
 @dataclass
 class Placement:
-    """What has been placed so far: boards (pose in the world) and frames (x, y, yaw), and which views are flipped."""
+    """What has been placed so far: boards (pose in the world) and frames (x, y, yaw), and which views are
+    flipped.
+    """
 
     boards: dict[int, LevelPose] = field(default_factory=dict)
     frames: dict[int, FloatArray] = field(default_factory=dict)
@@ -65,10 +68,14 @@ def vertical_in_camera(rotations: FloatArray, board: np.ndarray) -> FloatArray |
 def tilt_from_vertical(upward: FloatArray) -> FloatArray:
     """Return (pitch, roll) [rad] of a camera that sees the vertical as `upward` (3,)."""
     box = BASE_FROM_OPTICAL @ upward
-    return np.array([-math.asin(min(max(float(box[0]), -1.0), 1.0)), math.atan2(float(box[1]), float(box[2]))])
+    return np.array(
+        [-math.asin(min(max(float(box[0]), -1.0), 1.0)), math.atan2(float(box[1]), float(box[2]))]
+    )
 
 
-def level_poses(rotation: FloatArray, shift: FloatArray, tilt: FloatArray, middle: FloatArray) -> list[LevelPose]:
+def level_poses(
+    rotation: FloatArray, shift: FloatArray, tilt: FloatArray, middle: FloatArray
+) -> list[LevelPose]:
     """Return the boards in the levelled camera, placed by their `middle` (3,) [m]."""
     level = camera_from_level(tilt).T
     return [LevelPose(level @ r, level @ (r @ middle + t)) for r, t in zip(rotation, shift, strict=True)]
@@ -77,8 +84,8 @@ def level_poses(rotation: FloatArray, shift: FloatArray, tilt: FloatArray, middl
 def place_all(poses: Sequence[LevelPose], board: np.ndarray, frame: np.ndarray, may_flip: bool) -> Placement:
     """Return the placement of all frames and boards, in the order of the frames.
 
-    A frame is placed by the boards in it that have a place; boards that are never seen together with placed ones
-    start a group of their own, whose first board is an anchor.
+    A frame is placed by the boards in it that have a place; boards that are never seen together with placed
+    ones start a group of their own, whose first board is an anchor.
     """
     placement, waiting = Placement(), list(range(len(poses)))
     while waiting:
@@ -100,7 +107,12 @@ def _start_group(
 
 
 def _placed(
-    view: int, poses: Sequence[LevelPose], board: np.ndarray, frame: np.ndarray, placement: Placement, may_flip: bool
+    view: int,
+    poses: Sequence[LevelPose],
+    board: np.ndarray,
+    frame: np.ndarray,
+    placement: Placement,
+    may_flip: bool,
 ) -> bool:
     """Place what this view can place; return whether the view is dealt with."""
     number, moment = int(board[view]), int(frame[view])
@@ -140,7 +152,10 @@ def _best_choice(
         frame = _frame_of(seen, placed)
         between = placed.rotation @ (yaw_rotation(float(frame[2])) @ seen.rotation).T
         lean = float(np.linalg.norm(vector_from_rotation(between)))
-        if lean > _LARGEST_LEAN_ERROR or abs(float(seen.centre[2] - placed.centre[2])) > _LARGEST_HEIGHT_ERROR:
+        if (
+            lean > _LARGEST_LEAN_ERROR
+            or abs(float(seen.centre[2] - placed.centre[2])) > _LARGEST_HEIGHT_ERROR
+        ):
             continue
         turn = abs(wrap_angle(float(frame[2]) - near))
         if best is None or turn < best[0]:

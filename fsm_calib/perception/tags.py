@@ -1,9 +1,9 @@
 """Floor tags: find AprilTag 36h11 squares and their corners.
 
-OpenCV's aruco detector with sub-pixel refinement (2 ms, 0.35 px) is used. Its corner order follows its own drawing of
-a tag, which is turned by half a turn against the AprilTag library's; here corners are handed out in the library's
-order: bottom left, bottom right, top right, top left of the tag as the library draws it. So the tag's x axis runs
-from corner 0 to corner 1, its y axis from corner 0 to corner 3, and z out of the print.
+OpenCV's aruco detector with sub-pixel refinement (2 ms, 0.35 px) is used. Its corner order follows its own
+drawing of a tag, which is turned by half a turn against the AprilTag library's; here corners are handed out
+in the library's order: bottom left, bottom right, top right, top left of the tag as the library draws it. So
+the tag's x axis runs from corner 0 to corner 1, its y axis from corner 0 to corner 3, and z out of the print.
 Sources: Olson, AprilTag, ICRA 2011; OpenCV objdetect/aruco; AprilRobotics apriltag, `tag36h11.c`.
 """
 
@@ -31,7 +31,9 @@ def _detector() -> cv2.aruco.ArucoDetector:
 
 
 def find_tags(image: NDArray[np.uint8]) -> tuple[TagDetection, ...]:
-    """Return every tag36h11 in a grey or BGR image, by number; corners [px] in the AprilTag library's order."""
+    """Return every tag36h11 in a grey or BGR image, by number; corners [px] in the AprilTag library's
+    order.
+    """
     corners, numbers, _ = _detector().detectMarkers(as_gray(image))
     if numbers is None:
         return ()

@@ -1,8 +1,9 @@
 """How the camera is tilted over the floor, from two or three floor tags in one image.
 
-All tags lie in one plane. Unknown are pitch and roll [rad] and height [m] of the camera and, per tag, its place
-(x, y) [m] and heading [rad] on the floor; known are eight image coordinates per tag. The joint least-squares fit
-gives 0.05 to 0.07 deg from three tags, ten times better than the mean of the single tags' normals.
+All tags lie in one plane. Unknown are pitch and roll [rad] and height [m] of the camera and, per tag, its
+place (x, y) [m] and heading [rad] on the floor; known are eight image coordinates per tag. The joint
+least-squares fit gives 0.05 to 0.07 deg from three tags, ten times better than the mean of the single tags'
+normals.
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ class FloorTilt(NamedTuple):
     height: float
 
 
-def estimate_tilt(detections: Sequence[TagDetection], camera: CameraModel, tag_size: float = 0.065) -> FloorTilt:
+def estimate_tilt(
+    detections: Sequence[TagDetection], camera: CameraModel, tag_size: float = 0.065
+) -> FloorTilt:
     """Return pitch, roll and height of the camera from the floor tags of one image.
 
     Raises
@@ -44,7 +47,9 @@ def estimate_tilt(detections: Sequence[TagDetection], camera: CameraModel, tag_s
     )
     pitch, roll, height = (float(value) for value in fit.x[:3])
     if height <= 0.0:
-        raise DataError("the floor tags do not agree on a floor", cure="Check the tag size and the camera file.")
+        raise DataError(
+            "the floor tags do not agree on a floor", cure="Check the tag size and the camera file."
+        )
     return FloorTilt(pitch, roll, height)
 
 
