@@ -12,6 +12,8 @@ import math
 from collections import OrderedDict
 from collections.abc import Sequence
 from functools import lru_cache
+from itertools import pairwise
+from typing import Any
 
 import cv2
 import numpy as np
@@ -21,15 +23,16 @@ from fsm_calib.errors import InputError
 from fsm_calib.types import CameraModel, CameraMount, FloatArray, Pose2
 from fsm_calib.world2d.lens import RayTable, camera_pose, ray_table
 from fsm_calib.world2d.sensor import Light, SensorSettings, expose
-from fsm_calib.world2d.surfaces import Scene, Surface
+from fsm_calib.world2d.surfaces import Scene
+from fsm_calib.world2d.textures import Image, Texture
 from fsm_calib.world2d.visible import Box, Seen, SurfaceIndex
-
-Image = NDArray[np.uint8]
 
 _BAND_ROWS = 60
 """Rows of the image that share one texture level, for surfaces seen at a slant [px]."""
-_MAX_SAMPLES = {"room": 1, "floor": 2, "decal": 4, "standing": 4}
-"""Largest n of the n x n samples per pixel, by layer: edges of prints matter, the grain of the floor does not."""
+_BACKGROUND = ("room", "floor")
+"""Layers drawn at half the resolution: nothing in them is measured."""
+_MAX_SAMPLES = 3
+"""Largest n of the n x n samples per pixel of a print."""
 _FINE = 0.5
 """Side of the finest texture pixel used, in image pixels across the sharper direction; 1 would blur."""
 _SAMPLE_BUDGET = 300_000
@@ -106,10 +109,14 @@ class Renderer:
     def _draw(self, base: Pose2) -> Light:
         rotation, position = camera_pose(base, self.mount)
         table = self._table
-        luma = np.zeros((self.camera.height, self.camera.width), dtype=np.uint8)
-        chroma = np.full((*table.coarse.shape[:2], 2), _NEUTRAL, dtype=np.uint8)
-        for seen in self._index.look(table, rotation, position):
-            for box in _bands(seen):
+        half = np.zeros(table.coarse.shape[:2], dtype=np.uint8)
+        chroma = np.full((*half.shape, 2), _NEUTRAL, dtype=np.uint8)
+        in_sight = self._index.look(table, rotation, position)
+        for seen in (item for item in in_sight if item.surface.layer in _BACKGROUND):
+            _draw_background(half, chroma, seen, table)
+        luma = cv2.resize(half, (self.camera.width, self.camera.height), interpolation=cv2.INTER_LINEAR)
+        for seen in (item for item in in_sight if item.surface.layer not in _BACKGROUND):
+            for box in _bands(seen.box):
                 _draw_luma(luma, seen, box, table)
             _draw_chroma(chroma, seen, table)
         if table.has_blind:
@@ -122,19 +129,36 @@ def _table_of(camera: CameraModel) -> RayTable:
     return ray_table(camera)
 
 
-def _bands(seen: Seen) -> list[Box]:
-    """Cut the box of a surface into bands of rows, so that each has its own texture level."""
-    x0, y0, x1, y1 = seen.box
-    if y1 - y0 < 1.5 * _BAND_ROWS:
-        return [seen.box]
-    cuts = np.linspace(y0, y1, round((y1 - y0) / _BAND_ROWS) + 1).round().astype(int)
-    return [(x0, int(top), x1, int(bottom)) for top, bottom in zip(cuts[:-1], cuts[1:], strict=True)]
+def _bands(box: Box) -> list[Box]:
+    """Cut a box into bands of rows, so that each has its own texture level."""
+    x0, y0, x1, y1 = box
+    count = max(1, round((y1 - y0) / _BAND_ROWS))
+    cuts = [y0 + (y1 - y0) * i // count for i in range(count + 1)]
+    return [(x0, top, x1, bottom) for top, bottom in pairwise(cuts)]
+
+
+def _halved(box: Box) -> Box:
+    """Return the box in an image of half the resolution."""
+    return box[0] // 2, box[1] // 2, (box[2] + 1) // 2, (box[3] + 1) // 2
+
+
+def _draw_background(luma: Image, chroma: Image, seen: Seen, table: RayTable) -> None:
+    """Draw a wall of the hall or the floor into images of half the resolution, in place."""
+    texture = seen.surface.texture
+    for box in _bands(seen.box):
+        sharp, slanted = _footprint(table.rays, box, _to_texels(seen, 0))
+        level = _level(2.0 * math.sqrt(sharp * slanted), texture)
+        x0, y0, x1, y1 = _halved(box)
+        where = _project(table.coarse[y0:y1, x0:x1], _to_texels(seen, level))
+        _lookup(texture.luma[level], where, luma[y0:y1, x0:x1])
+        if texture.chroma is not None:
+            _lookup(texture.chroma[level], where, chroma[y0:y1, x0:x1])
 
 
 def _draw_luma(image: Image, seen: Seen, box: Box, table: RayTable) -> None:
     """Draw the grey values of what of a surface lies in `box` into `image`, in place."""
     x0, y0, x1, y1 = box
-    level, samples = _sampling(table.rays, box, _to_texels(seen, 0), seen.surface)
+    level, samples = _sampling(table.rays, box, seen)
     to_texels, picture = _to_texels(seen, level), seen.surface.texture.luma[level]
     target = image[y0:y1, x0:x1]
     if samples == 1:
@@ -149,16 +173,18 @@ def _draw_luma(image: Image, seen: Seen, box: Box, table: RayTable) -> None:
 
 
 def _draw_chroma(image: Image, seen: Seen, table: RayTable) -> None:
-    """Draw a surface's colours into `image` of half the resolution, in place; a grey one hides colours behind it."""
-    x0, y0, x1, y1 = seen.box[0] // 2, seen.box[1] // 2, (seen.box[2] + 1) // 2, (seen.box[3] + 1) // 2
+    """Draw a surface's colours into `image` of half the resolution, in place; grey ones hide what is behind."""
+    x0, y0, x1, y1 = _halved(seen.box)
     texture = seen.surface.texture
     if texture.chroma is None and seen.surface.layer != "standing":
-        return  # the floor hides nothing that is coloured, and prints lie on grey ground
-    colours = texture.chroma or (_grey(texture.luma[0].shape),)
-    fine, _ = _sampling(table.rays, seen.box, _to_texels(seen, 0), seen.surface)
-    level = min(fine + 1, len(colours) - 1) if texture.chroma else 0
+        return  # prints lie on grey ground
+    level, picture = 0, _grey(texture.luma[0].shape)
+    if texture.chroma is not None:
+        sharp, slanted = _footprint(table.rays, seen.box, _to_texels(seen, 0))
+        level = _level(2.0 * math.sqrt(sharp * slanted), texture)
+        picture = texture.chroma[level]
     where = _project(table.coarse[y0:y1, x0:x1], _to_texels(seen, level))
-    _lookup(colours[level], where, image[y0:y1, x0:x1])
+    _lookup(picture, where, image[y0:y1, x0:x1])
 
 
 @lru_cache(maxsize=16)
@@ -174,12 +200,13 @@ def _to_texels(seen: Seen, level: int) -> FloatArray:
     return matrix
 
 
-def _lookup(picture: Image, where: NDArray[np.float32], target: Image) -> None:
+def _lookup(picture: Image, where: NDArray[Any], target: Image) -> None:
     """Write samples of `picture` at `where` into `target`; places outside of the picture keep what is there."""
-    cv2.remap(picture, where, None, cv2.INTER_LINEAR, dst=target, borderMode=cv2.BORDER_TRANSPARENT)
+    none: Any = None  # the map is one array of pairs
+    cv2.remap(picture, where, none, cv2.INTER_LINEAR, dst=target, borderMode=cv2.BORDER_TRANSPARENT)
 
 
-def _project(rays: NDArray[np.float32], matrix: FloatArray) -> NDArray[np.float32]:
+def _project(rays: NDArray[Any], matrix: FloatArray) -> NDArray[Any]:
     """Return the texture coordinates of rays, shape (h, w, 2) [texture px]; far outside where the ray misses the plane."""
     texels = cv2.perspectiveTransform(rays, matrix)
     corners = rays[[0, 0, -1, -1], [0, -1, 0, -1]].astype(float) @ matrix[2, :2] + matrix[2, 2]
@@ -190,23 +217,28 @@ def _project(rays: NDArray[np.float32], matrix: FloatArray) -> NDArray[np.float3
     return texels
 
 
-def _sampling(
-    rays: NDArray[np.float32], box: Box, to_texels: FloatArray, surface: Surface
-) -> tuple[int, int]:
-    """Choose the texture level and the samples per pixel and direction, from the texels per pixel at the box's centre."""
-    x0, y0, x1, y1 = box
-    row, column = (y0 + y1) // 2 + 1, (x0 + x1) // 2 + 1
-    x, y = rays[[row, row, row + 1], [column, column + 1, column]].astype(float).T
-    homogeneous = to_texels @ np.array([x, y, np.ones(3)])
-    here, right, below = (homogeneous[:2] / np.maximum(np.abs(homogeneous[2]), 1e-6)).T
-    across, down = math.dist(here, right), math.dist(here, below)
-    sharp, slanted = min(across, down), max(across, down)
-    most = _MAX_SAMPLES[surface.layer]
-    finest = max(1.0, _FINE * sharp, slanted / most)
-    level = min(int(math.log2(finest)), len(surface.texture.luma) - 1)
-    least = 2 if most > 2 else 1  # edges of prints always need more than one sample
-    samples = min(max(math.ceil(slanted / 2**level), least), most)
-    pixels = (x1 - x0) * (y1 - y0)
+def _footprint(rays: NDArray[Any], box: Box, to_texels: FloatArray) -> tuple[float, float]:
+    """Return the texels of level 0 that a pixel covers at the box's centre, along the sharper and the slanted way."""
+    row, column = (box[1] + box[3]) // 2 + 1, (box[0] + box[2]) // 2 + 1
+    points = []
+    for x, y in (rays[row, column].tolist(), rays[row, column + 1].tolist(), rays[row + 1, column].tolist()):
+        a, b, w = (line[0] * x + line[1] * y + line[2] for line in to_texels.tolist())
+        points.append((a / max(abs(w), 1e-6), b / max(abs(w), 1e-6)))
+    across, down = math.dist(points[0], points[1]), math.dist(points[0], points[2])
+    return min(across, down), max(across, down)
+
+
+def _level(texels: float, texture: Texture) -> int:
+    """Return the halving of a texture at which `texels` of level 0 are about one pixel."""
+    return min(int(math.log2(max(1.0, texels))), len(texture.luma) - 1)
+
+
+def _sampling(rays: NDArray[Any], box: Box, seen: Seen) -> tuple[int, int]:
+    """Choose the texture's level and the samples per pixel and direction for a print."""
+    sharp, slanted = _footprint(rays, box, _to_texels(seen, 0))
+    level = _level(max(_FINE * sharp, slanted / _MAX_SAMPLES), seen.surface.texture)
+    samples = min(max(math.ceil(slanted / 2**level), 2), _MAX_SAMPLES)
+    pixels = (box[2] - box[0]) * (box[3] - box[1])
     while samples > 1 and samples * samples * pixels > _SAMPLE_BUDGET:
         samples -= 1
     return level, samples

@@ -15,6 +15,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +42,8 @@ class RayTable:
     """
 
     camera: CameraModel
-    rays: NDArray[np.float32]
-    coarse: NDArray[np.float32]
+    rays: NDArray[Any]
+    coarse: NDArray[Any]
     blind: NDArray[np.bool_]
     widest: float
 

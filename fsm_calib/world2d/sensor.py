@@ -16,14 +16,16 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.types import CameraModel
 from fsm_calib.world2d.scene import check_range
+from fsm_calib.world2d.textures import Image
 
-Image = NDArray[np.uint8]
 _BANK = 1024
 """Side of the bank of noise [px]."""
 
@@ -66,14 +68,14 @@ class SensorSettings:
 
 
 @lru_cache(maxsize=1)
-def _noise_bank() -> NDArray[np.float32]:
+def _noise_bank() -> NDArray[Any]:
     bank = np.random.default_rng(20260101).standard_normal((2 * _BANK, 2 * _BANK), dtype=np.float32)
     bank /= np.float32(math.sqrt(2.0))
     bank.setflags(write=False)
     return bank
 
 
-def noise_field(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
+def noise_field(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[Any]:
     """Return a standard normal field of `shape` (height, width) at most 1024 x 1024: the sum of two windows of the bank."""
     bank = _noise_bank()
     tops, lefts = rng.integers(0, 2 * _BANK - shape[0], 2), rng.integers(0, 2 * _BANK - shape[1], 2)
@@ -82,7 +84,7 @@ def noise_field(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[np.
 
 
 @lru_cache(maxsize=32)
-def _vignette(width: int, height: int, cx: float, cy: float, loss: float, brightness: float) -> NDArray[np.float32]:
+def _vignette(width: int, height: int, cx: float, cy: float, loss: float, brightness: float) -> NDArray[Any]:
     """Return the gain of every pixel, shape (height, width): brightness (1 - loss (r / corner)^2)."""
     v, u = np.mgrid[:height, :width].astype(np.float32)
     r2 = (u - cx) ** 2 + (v - cy) ** 2
@@ -108,11 +110,11 @@ def expose(light: Light, camera: CameraModel, settings: SensorSettings, rng: np.
     image = cv2.cvtColor(cv2.merge([luma, chroma]), cv2.COLOR_YCrCb2BGR)
     if settings.jpeg_quality > 0:
         _, coded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality])
-        image = cv2.imdecode(coded, cv2.IMREAD_COLOR)
+        return np.asarray(cv2.imdecode(coded, cv2.IMREAD_COLOR))
     return image
 
 
 @lru_cache(maxsize=32)
-def _noise_table(read: float, shot: float) -> NDArray[np.float32]:
+def _noise_table(read: float, shot: float) -> NDArray[Any]:
     """Return the noise's standard deviation [grey levels] at each of the 256 grey levels."""
     return np.sqrt(read**2 + shot * np.arange(256)).astype(np.float32)

@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +19,8 @@ from numpy.typing import NDArray
 from fsm_calib.types import BoardSpec
 from fsm_calib.world2d.scene import Road
 
-Image = NDArray[np.uint8]
+Image = NDArray[Any]
+"""8-bit pixels, (height, width) or (height, width, channels)."""
 
 INK = 32
 """Grey value of printed black."""

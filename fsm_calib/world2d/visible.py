@@ -45,7 +45,7 @@ class SurfaceIndex:
         self.sides = np.array([surface.texture.size for surface in surfaces])
         self.two_sided = np.array([surface.two_sided for surface in surfaces])
         steps = np.linspace(0.0, 1.0, 5)
-        edge = [(t, 0.0) for t in steps] + [(1.0, t) for t in steps] + [(t, 1.0) for t in steps] + [(0.0, t) for t in steps]
+        edge = [p for t in steps for p in ((t, 0.0), (1.0, t), (t, 1.0), (0.0, t))]
         plane = np.array([[*point, 1.0] for point in edge])
         scale = np.concatenate([self.sides, np.ones((len(surfaces), 1))], axis=1)
         self.outlines = np.einsum("sij,spj->spi", self.frames, plane[None] * scale[:, None])
@@ -54,7 +54,8 @@ class SurfaceIndex:
         """Return the surfaces in sight, in the order in which they must be drawn."""
         frames_camera = np.einsum("ji,sjk->sik", rotation, self.frames)
         frames_camera[:, :, 2] -= rotation.T @ position
-        plane_from_ray = _invert(frames_camera)
+        # a ray d meets a plane where depth d = frame (a, b, 1), so the inverse gives (a, b, 1) / depth
+        plane_from_ray = np.linalg.inv(frames_camera)
         outlines = (self.outlines - position) @ rotation
         facing = self.two_sided | (np.linalg.det(frames_camera) > 0.0)
         in_front = (outlines[..., 2] > NEAREST).all(axis=1)
@@ -68,15 +69,6 @@ class SurfaceIndex:
             if box is not None:
                 seen.append(Seen(self.surfaces[index], box, plane_from_ray[index]))
         return _in_drawing_order(seen, position)
-
-
-def _invert(frames: FloatArray) -> FloatArray:
-    """Invert the frames so that the homogeneous scale is positive for points in front of the camera.
-
-    A ray d hits the plane where depth * d = frame (a, b, 1); the inverse gives (a, b, 1) / depth for d, whose third
-    component is 1 / depth.
-    """
-    return np.linalg.inv(frames)
 
 
 def _project_boxes(table: RayTable, outlines: FloatArray) -> list[tuple[float, float, float, float]]:
