@@ -14,6 +14,7 @@ from fsm_calib.actions.notebook import CameraFigures, MarkerReading, WheelRun
 from fsm_calib.actions.ratio import combined_ratio, run_from_readings
 from fsm_calib.actions.refining import judge, judge_refinement
 from fsm_calib.actions.wheel_runs import path_length, update_ratio
+from fsm_calib.actions.settings import RatioSettings, TurnSettings
 from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.types import BoardView, CameraModel, Pose2, TagObservation
 
@@ -135,7 +136,11 @@ def drive_readings(mismatch: float, distance: float = 0.69, axle: float = 0.1):
     turned = mismatch * distance / axle
     markers = field_of(np.random.default_rng(0), columns=12, rows=9, sd=0.0)
     radius = distance / turned if turned else math.inf
-    end = Pose2(radius * math.sin(turned), radius * (1 - math.cos(turned)), turned) if turned else Pose2(distance)
+    end = (
+        Pose2(radius * math.sin(turned), radius * (1 - math.cos(turned)), turned)
+        if turned
+        else Pose2(distance)
+    )
     return [reading_from(Pose2(), markers), reading_from(end, markers)], turned
 
 
@@ -171,13 +176,15 @@ def test_a_drive_that_veers_right_raises_k():
     assert outcome.evidence["quiet"] is False
 
 
-def test_a_quiet_drive_leaves_the_iterate():
+@pytest.mark.parametrize(("combine", "ratio"), [(False, 1.0), (True, 0.996)])
+def test_a_quiet_drive_leaves_the_iterate_as_published_and_is_combined_otherwise(combine, ratio):
     readings, _ = drive_readings(0.004)
-    bench = bench_with(readings=readings, last_duration=3.5, last_ratio=1.0)
+    bench = Bench(NoRobot(), ActionSettings(ratio=RatioSettings(combine=combine)))
+    bench.notebook.readings, bench.notebook.last_duration = readings, 3.5
     bench.notebook.runs.append(run_from_readings(bench, 0.69))
     outcome = update_ratio(bench)
     assert outcome.evidence["quiet"] is True
-    assert bench.notebook.iterate == 1.0
+    assert bench.notebook.wheel_ratio == pytest.approx(ratio, abs=1e-6)
 
 
 def test_a_short_drive_is_never_quiet():
@@ -193,7 +200,11 @@ def test_all_drives_together_find_the_ratio_that_each_drive_halves():
     for ratio in (1.01, 1.02, 1.025):
         pair, _ = drive_readings((ratio - true_ratio) * 0.9)
         readings += pair
-        bench.notebook.readings, bench.notebook.last_ratio, bench.notebook.last_duration = readings, ratio, 3.5
+        bench.notebook.readings, bench.notebook.last_ratio, bench.notebook.last_duration = (
+            readings,
+            ratio,
+            3.5,
+        )
         runs.append(run_from_readings(bench, 0.69))
     bench.notebook.runs = runs
     assert combined_ratio(bench) == pytest.approx(true_ratio, abs=6e-4)
@@ -202,7 +213,9 @@ def test_all_drives_together_find_the_ratio_that_each_drive_halves():
 def lane_bench(mismatch: float, drives: int = 5, seed: int = 0) -> Bench:
     """A bench after `drives` of 0.15 m in a marked lane, squared up again by hand after each."""
     rng = np.random.default_rng(seed)
-    markers = {400 + n: Pose2(0.25 + 0.15 * n, 0.0, rng.normal(0, math.radians(0.3))) for n in range(drives + 4)}
+    markers = {
+        400 + n: Pose2(0.25 + 0.15 * n, 0.0, rng.normal(0, math.radians(0.3))) for n in range(drives + 4)
+    }
     bench = bench_with()
     for n in range(drives):
         start = Pose2(0.15 * n, 0.0, rng.normal(0.0, 0.02))
@@ -266,8 +279,6 @@ def test_an_unknown_published_behaviour_names_the_nearest():
 
 
 def test_a_negative_duration_is_refused():
-    from fsm_calib.actions.settings import TurnSettings
-
     with pytest.raises(InputError, match=r"turn\.quantum"):
         ActionSettings(turn=TurnSettings(quantum=-0.1))
 

@@ -5,26 +5,31 @@ from __future__ import annotations
 from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.markers import MARKER_MISSED, look_at_markers
 from fsm_calib.actions.moving import drive
+from fsm_calib.actions.notebook import MarkerReading
 from fsm_calib.actions.turning import ROBOT_BLOCKED
 from fsm_calib.outcome import Outcome
 from fsm_calib.types import STOP, TagObservation
 
 
 def drive_off(bench: Bench) -> Outcome:
-    """Drive straight for one stretch with the k found, then look for markers."""
+    """Drive straight for one stretch with the k found, then look for markers.
+
+    When the last look showed none, the robot stays where it is and looks again.
+    """
     settings, notebook = bench.settings.drive, bench.notebook
-    before = look_at_markers(bench)
-    if isinstance(before, Outcome):
-        return before
-    drive(bench, settings.stretch / speed_of(bench), notebook.wheel_ratio)
+    before = notebook.reading.tags if notebook.reading is not None else ()
+    if not notebook.field_left:
+        drive(bench, settings.stretch / speed_of(bench), notebook.wheel_ratio)
+        notebook.marker_ahead = _farthest(before, notebook.marker_ahead) - settings.stretch
     after = look_at_markers(bench)
     if isinstance(after, Outcome):
         return after
-    if _stands(before, after, settings.moved_share * settings.stretch):
+    if not notebook.field_left and _stands(before, after, settings.moved_share * settings.stretch):
         return ROBOT_BLOCKED
+    notebook.field_left = not after
     if not after:
-        notebook.marker_ahead = _farthest(before, notebook.marker_ahead) - settings.stretch
         return MARKER_MISSED
+    notebook.reading = MarkerReading(after, after[0].heading, bench.robot.now())
     notebook.marker_ahead = _farthest(after, 0.0)
     evidence = {"markers": len(after), "ahead": round(notebook.marker_ahead, 3)}
     return Outcome("marker_seen", evidence, f"{len(after)} markers are still in sight.")
@@ -36,7 +41,7 @@ def hand_over(bench: Bench) -> Outcome:
     if way > 0.0:
         drive(bench, way / speed_of(bench), bench.notebook.wheel_ratio)
     bench.robot.command(STOP)
-    bench.notebook.marker_ahead = 0.0
+    bench.notebook.marker_ahead, bench.notebook.field_left = 0.0, False
     return Outcome(
         "control_handed", {"advance": round(way, 3)}, "The robot stands in the lane; it may take over."
     )

@@ -87,8 +87,6 @@ class Notebook:
         Left command of straight drives [1] and the speed it gives [m/s]; 0 while unknown.
     wheel_ratio : float
         k in use.
-    iterate, combined_ratio : float
-        k of the paper's iteration, and of all its drives by least squares (None before it is known).
     readings, lane_readings : list of MarkerReading
         Before and after every drive of `runs` and of `lane_runs`.
     marker_map : dict
@@ -121,6 +119,8 @@ class Notebook:
         k before the refinement in the lane.
     marker_ahead : float
         Farthest marker ahead of the axle in the last look [m].
+    field_left : bool
+        The last stretch of the exit ended with no marker in sight.
     panorama, frame_mark : array, int
         The last frame, small, and its check sum.
     unseen : bool
@@ -139,8 +139,6 @@ class Notebook:
     speed: float = 0.0
     wheel_ratio: float = 1.0
     ratio_history: list[float] = field(default_factory=lambda: [1.0])
-    iterate: float = 1.0
-    combined_ratio: float | None = None
     runs: list[WheelRun] = field(default_factory=list)
     readings: list[MarkerReading] = field(default_factory=list)
     marker_map: dict[int, Pose2] = field(default_factory=dict)
@@ -159,6 +157,7 @@ class Notebook:
     lane_side: float = 0.0
     lane_before: float | None = None
     marker_ahead: float = 0.0
+    field_left: bool = False
     panorama: NDArray[np.uint8] | None = None
     frame_mark: int | None = None
     unseen: bool = False

@@ -85,7 +85,7 @@ def combined_ratio(bench: Bench) -> float:
         if abs(turned * scale) <= settings.combine_within:
             rows.append((run.wheel_ratio, -turned * scale, max(sd, _LEAST_SD) * scale))
     if not rows:
-        return notebook.iterate
+        return notebook.wheel_ratio
     ratio, residual, sd = np.array(rows).T
     weight = 1.0 / sd**2
     gain = _loop_gain(ratio, residual, weight)

@@ -30,13 +30,13 @@ class TurnSettings:
         Rest between the push and the frame [s]; its program waits 0.6 s, two to three time constants of the
         motors.
     first_command : float
-        Command of the first push [1]; 3 to 4 degrees with nominal motors (27 rad/s at command 1, axle 0.1 m).
+        Command of the first push [1]; 5 degrees with nominal motors (27 rad/s at command 1, axle 0.1 m).
     largest_command : float
         The most a push may use [1]: no motor is worth burning.
     raise_factor : float
         Factor on the command when a push moved nothing [1].
     scan_step, search_step : float
-        Angle wanted of a step with a board in sight and of a step of a search [rad]; 3.5 deg gives a board
+        Angle wanted of a step with a board in sight and of a step of a search [rad]; 5 deg gives a board
         some fifteen views in a sweep, and a search loses nothing in a picture 100 deg wide.
     align_share : float
         Share of the remaining angle that an aligning step takes [1]; below 1, so that it seldom overshoots.
@@ -50,10 +50,10 @@ class TurnSettings:
 
     quantum: float = 0.1
     settle: float = 0.6
-    first_command: float = 0.075
+    first_command: float = 0.1
     largest_command: float = 0.8
     raise_factor: float = 1.5
-    scan_step: float = math.radians(3.5)
+    scan_step: float = math.radians(5.0)
     search_step: float = math.radians(9.0)
     align_share: float = 0.8
     smallest_align_step: float = math.radians(1.0)
@@ -103,7 +103,7 @@ class DriveSettings:
     largest_heading_change: float = 0.35
     first_mismatch: float = 0.25
     shortest: float = 0.10
-    stretch: float = 0.10
+    stretch: float = 0.15
     moved_share: float = 0.25
     mismatch_margin: float = 0.01
     growth: float = 2.0
@@ -149,7 +149,7 @@ class MarkerSettings:
     tilt_readings: int = 5
     heading: HeadingSource = "floor"
     nearest: NearestRule = "distance"
-    lane_first: int = 400
+    lane_first: int = 280
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,8 +253,8 @@ class LaneSettings:
     seek_step: float = math.radians(9.0)
     largest_phi: float = math.radians(35.0)
     command: float = 0.20
-    period: float = 0.2
-    looks: int = 5
+    period: float = 0.3
+    looks: int = 4
     k_d: float = -6.0
     k_phi: float = -5.0
     k_integral: float = -0.3

@@ -25,9 +25,12 @@ def solve_camera(bench: Bench) -> Outcome:
         return _refused(result.reason, "Lean a board or lay one on the floor, and check the lens.")
     _keep(bench, result)
     evidence = {"predicted_px": result.predicted_px, "rms_px": result.rms_px, "views": result.views_used}
-    if result.predicted_px <= bench.settings.camera.target_px:
-        asked = bench.settings.camera.target_px
-    sentence = f"The predicted error is {result.predicted_px:.2f} px, {asked:.2f} px were asked for."
+    asked = bench.settings.camera.target_px
+    sentence = (
+        f"{result.views_used} views: {result.predicted_px:.2f} px predicted error, {asked:.2f} px asked for."
+    )
+    if result.predicted_px <= asked:
+        return Outcome("camera_solved", evidence, sentence)
     return Outcome("camera_imprecise", evidence, sentence, "Lean a board, or lay one on the floor.")
 
 

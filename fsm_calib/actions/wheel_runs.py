@@ -75,24 +75,23 @@ def measure_ratio(bench: Bench) -> Outcome:
 
 
 def update_ratio(bench: Bench) -> Outcome:
-    """Refine k by a share of k_i - 1, or leave it when the correction is quiet (paper: E)."""
+    """Refine k by a share of k_i - 1; when the correction is quiet (paper: E), leave it, or combine the
+    drives.
+
+    As published a quiet drive leaves k alone, and what remains of the mismatch, up to 2 E, is never applied.
+    Here quiet drives move k to the weighted least-squares value of all long drives.
+    """
     notebook, settings = bench.notebook, bench.settings.ratio
     run = notebook.runs[-1]
     correction = settings.share * (run.k_i - 1.0)
     quiet = abs(correction) < settings.quiet_correction and _is_full(bench, run)
     if not quiet:
-        notebook.iterate += correction
-    notebook.wheel_ratio = notebook.iterate
-    notebook.ratio_history.append(notebook.iterate)
-    if settings.combine and quiet:
-        notebook.combined_ratio = combined_ratio(bench)
-    evidence = {
-        "quiet": quiet,
-        "k_i": run.k_i,
-        "wheel_ratio": notebook.iterate,
-        "combined": notebook.combined_ratio,
-    }
-    return Outcome("ratio_updated", evidence, f"k = {notebook.iterate:.4f}{', quiet' if quiet else ''}.")
+        notebook.wheel_ratio = run.wheel_ratio + correction
+    elif settings.combine:
+        notebook.wheel_ratio = combined_ratio(bench)
+    notebook.ratio_history.append(notebook.wheel_ratio)
+    evidence = {"quiet": quiet, "k_i": run.k_i, "wheel_ratio": notebook.wheel_ratio}
+    return Outcome("ratio_updated", evidence, f"k = {notebook.wheel_ratio:.4f}{', quiet' if quiet else ''}.")
 
 
 def _run_evidence(run: WheelRun) -> dict[str, float]:
@@ -172,8 +171,8 @@ def driven(bench: Bench, start: MarkerReading, reading: MarkerReading) -> tuple[
 def learn_yaw(bench: Bench, distance: float) -> None:
     """Refine the camera's yaw by the direction in which the markers say that the robot drove.
 
-    An arc that turns by a [rad] leaves along a / 2 of the robot's forward direction; a camera that looks to the left
-    by y sees it along a / 2 - y. The mean over drives is weighted by their squared lengths.
+    An arc that turns by a [rad] leaves along a / 2 of the robot's forward direction; a camera that looks to
+    the left by y sees it along a / 2 - y. The mean over drives is weighted by their squared lengths.
     """
     notebook = bench.notebook
     step, yaw = notebook.last_step, notebook.mount.yaw
