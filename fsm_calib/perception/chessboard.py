@@ -57,6 +57,7 @@ class DetectorSettings:
 DEFAULT_DETECTOR = DetectorSettings()
 _FAST = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
 _THOROUGH = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
+_ANY_SIZE = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_LARGER
 _STOP_SEARCH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 30, 0.005)
 
 
@@ -147,6 +148,15 @@ def smallest_spacing(corners: FloatArray, board: BoardSpec) -> float:
     return float(min(along, across))
 
 
+def board_size_in(image: Image) -> tuple[int, int] | None:
+    """Return the inner corners (columns, rows) of whatever chessboard the image shows, or None: about 0.1 s."""
+    gray = as_gray(image)
+    scale = min(1.0, DEFAULT_DETECTOR.largest_side_px / max(gray.shape))
+    small = gray if scale == 1.0 else cv2.resize(gray, None, fx=scale, fy=scale)
+    found, _, whole = cv2.findChessboardCornersSBWithMeta(small, (3, 3), _ANY_SIZE)
+    return (int(whole.shape[1]), int(whole.shape[0])) if found else None
+
+
 def edge_width(gray: Image, corners: FloatArray, board: BoardSpec) -> float:
     """Return the mean width of the board's black-white edges, 10 to 90 % [px]; nan when it cannot be
     measured.
@@ -165,7 +175,8 @@ def _rough_corners(
     size = (board.columns, board.rows)
     found, corners = cv2.findChessboardCorners(small, size, flags=_THOROUGH if thorough else _FAST)
     if not found and thorough:
-        found, corners = cv2.findChessboardCornersSB(small, size, flags=cv2.CALIB_CB_NORMALIZE_IMAGE)
+        found, corners, whole = cv2.findChessboardCornersSBWithMeta(small, size, _ANY_SIZE)
+        found = found and whole.shape == (board.rows, board.columns)
     if not found or corners is None:
         return None
     return (corners.reshape(-1, 2).astype(float) + 0.5) / scale - 0.5

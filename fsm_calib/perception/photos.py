@@ -1,0 +1,137 @@
+"""Photos of a chessboard from files: read them, find the board in each, and say why where it is missing.
+
+What no camera calibration can repair is refused with one sentence: a file that is no image, photos of different
+sizes, the same photo twice, another board than the one asked for.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from fsm_calib.errors import DataError, InputError
+from fsm_calib.perception.calibration import DroppedView
+from fsm_calib.perception.chessboard import DEFAULT_DETECTOR, DetectorSettings, board_size_in, inspect_board
+from fsm_calib.types import BoardSpec, BoardView
+
+_SIZE_CHECKS = 3  # photos in which the board's whole size is looked for: 0.1 s each
+_AGREEING_CHECKS = 2  # so many of them must show the same other size
+
+
+@dataclass(frozen=True, eq=False)
+class PhotoSet:
+    """Boards found in photos.
+
+    views : the boards, `source` holds the file; dropped : photos without one, and why; image_size : (width, height)
+    [px]; edge_widths_px : per view, how blurred its edges are, 10 to 90 % [px].
+    """
+
+    views: tuple[BoardView, ...]
+    dropped: tuple[DroppedView, ...]
+    image_size: tuple[int, int]
+    edge_widths_px: tuple[float, ...]
+
+
+def read_photo(path: Path, *, colour: bool = False) -> NDArray[np.uint8]:
+    """Return a photo, grey (height, width) or BGR (height, width, 3), as the sensor saw it (not turned by its tags).
+
+    Raises
+    ------
+    InputError
+        The file cannot be read or is no image.
+    """
+    try:
+        data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="Check the path.") from error
+    flags = (cv2.IMREAD_COLOR if colour else cv2.IMREAD_GRAYSCALE) | cv2.IMREAD_IGNORE_ORIENTATION
+    image = cv2.imdecode(data, flags) if data.size else None
+    if image is None:
+        raise InputError("is not an image", where=str(path), cure="Expected a JPEG or PNG photo.")
+    return np.asarray(image, dtype=np.uint8)
+
+
+def find_in_photos(
+    paths: Sequence[Path], board: BoardSpec, settings: DetectorSettings = DEFAULT_DETECTOR
+) -> PhotoSet:
+    """Return the boards found in photos of one camera.
+
+    Raises
+    ------
+    InputError
+        A file is no image, two photos are the same, their sizes differ, or they show a board of another size.
+    DataError
+        No photo shows the board.
+    """
+    _refuse_twins(paths)
+    views, dropped, widths, sizes = [], [], [], list[tuple[int, int]]()
+    checked: list[tuple[int, int] | None] = []
+    for index, path in enumerate(paths):
+        gray = read_photo(path)
+        sizes.append((gray.shape[1], gray.shape[0]))
+        _refuse_other_size(paths[0], sizes[0], path, sizes[-1])
+        finding = inspect_board(gray, board, settings=settings)
+        if len(checked) < _SIZE_CHECKS:
+            checked.append(board_size_in(gray))
+            _refuse_other_board(checked, board)
+        if finding.view is None:
+            dropped.append(DroppedView(index, str(path), finding.refusal))
+        else:
+            views.append(replace(finding.view, source=str(path)))
+            widths.append(finding.edge_width_px)
+    if not views:
+        raise DataError(
+            f"no photo of {len(paths)} shows a whole {board.columns}x{board.rows} board ({dropped[0].reason})",
+            cure="Count the inner corners: one less than the squares, in each direction.",
+        )
+    return PhotoSet(tuple(views), tuple(dropped), sizes[0], tuple(widths))
+
+
+def photos_in(folder: Path) -> Iterator[Path]:
+    """Yield the JPEG and PNG files of a folder by name."""
+    for path in sorted(folder.iterdir()):
+        if path.suffix.lower() in (".jpg", ".jpeg", ".png", ".bmp", ".pgm"):
+            yield path
+
+
+def _refuse_twins(paths: Sequence[Path]) -> None:
+    seen: dict[str, Path] = {}
+    for path in paths:
+        try:
+            digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        except OSError as error:
+            raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="Check the path.") from error
+        if digest in seen:
+            raise InputError(
+                f"is the same photo as {seen[digest]}", where=str(path), cure="A view counts once: leave one out."
+            )
+        seen[digest] = path
+
+
+def _refuse_other_size(first: Path, size: tuple[int, int], path: Path, other: tuple[int, int]) -> None:
+    if size != other:
+        raise InputError(
+            f"is {other[0]}x{other[1]} px, but {first} is {size[0]}x{size[1]} px",
+            where=str(path),
+            cure="Calibrate photos of one camera at one size, not cropped.",
+        )
+
+
+def _refuse_other_board(found: Sequence[tuple[int, int] | None], board: BoardSpec) -> None:
+    """Refuse when several photos agree on another size of board."""
+    asked = tuple(sorted((board.columns, board.rows)))
+    others = [size for size in found if size is not None and tuple(sorted(size)) != asked]
+    for size in set(others):
+        if others.count(size) >= _AGREEING_CHECKS:
+            larger, smaller = max(size), min(size)
+            raise InputError(
+                f"the photos show a board of {larger}x{smaller} inner corners, not {board.columns}x{board.rows}",
+                where="--board",
+                cure=f"Use --board {larger}x{smaller}.",
+            )
