@@ -7,15 +7,16 @@ Equations, in the frame `base` at the axle centre, q = (v [m/s], l [m/s], omega 
 M is the mass matrix of a body of mass m [kg] with its centre of mass at c [m], G its gyroscopic matrix, A and f the
 forces: linear in q with coefficients that are frozen over a step, and constant. Each wheel at (0, +-b/2) obeys
 
-    motor (rim)     F = D (T - w)            D = m / (2 tau_forward) [N s/m],  T = gain * command [m/s]
-    tyre            (F, S) = mu N s / sqrt(|s|^2 + s0^2)       s = (w - v_i, -l) slip velocity [m/s]
+    motor, wheel    m_w dw/dt = D (T - w) - F                 D = (m + 2 m_w) / (2 tau_forward) [N s/m]
+    tyre            (F, S) = mu N s / sqrt(|s|^2 + s0^2)      s = (w - v_i, -l) slip velocity [m/s]
 
-with rim speed w [m/s], speed of the axle's end v_i = v -+ omega b/2, friction coefficient mu [1], load N [N] and slip
-speed s0 [m/s]. Wheels have no inertia of their own (that of a Duckiebot's wheel, seen at the rim, is a few per cent of
-the body's mass and is part of the time constants), so both lines must agree: w is their crossing.
+with rim speed w [m/s], no-load speed T = gain * command [m/s], speed of the axle's end v_i = v -+ omega b/2, friction
+coefficient mu [1], load N [N], slip speed s0 [m/s] and the rotating inertia as a mass at the rim, m_w = J / R^2 [kg].
+tau_forward [s] and tau_turn [s] are the time constants of the robot on gripping tyres: yaw inertia enters as
+tau_turn = (I + m_w b^2/2) / (D b^2/2).
 
-The torque-speed line is that of a permanent-magnet motor, tau = stall (g u - rate/no_load): T = g no_load R and
-D = stall / (R^2 no_load). Yaw inertia enters as tau_turn = I / (D b^2 / 2).
+The torque-speed line is that of a permanent-magnet motor, tau = stall (g u - rate/no_load): T = g no_load R u and
+D = stall / (R^2 no_load).
 
 Method: driven wheels enter by the tangent of their crossing, sliding and dry friction by their secant (force / slip),
 both frozen over the step; then the trapezoid rule is applied to the linear rest. It is stable for any step, adds no
@@ -36,6 +37,7 @@ from numba import njit
 from fsm_calib.world2d import slots
 from fsm_calib.world2d.slots import (
     ANGLE,
+    BASE_DRIVE,
     COM_X,
     COM_Y,
     COMMAND,
@@ -43,6 +45,7 @@ from fsm_calib.world2d.slots import (
     DAMP,
     DRIVE,
     DRY,
+    ENGAGED,
     FORCE_X,
     FORCE_Y,
     GRIP,
@@ -68,6 +71,7 @@ from fsm_calib.world2d.slots import (
     RIM,
     RIM_SHARE,
     RIM_TARGET,
+    ROTATING,
     SIDE_COMPLIANCE,
     SIN,
     SLIP_SPEED,
@@ -82,13 +86,16 @@ from fsm_calib.world2d.slots import (
     Y,
 )
 
-GAIN, AXLE, TAU_FORWARD, TAU_TURN, WHEEL_RADIUS, BODY_MASS, FRICTION, TYRE_SLIP, CASTER_SHARE = 0, 2, 3, 4, 5, 7, 8, 9, 10
+GAIN, AXLE, TAU_FORWARD, TAU_TURN, WHEEL_RADIUS, BODY_MASS = 0, 2, 3, 4, 5, 7
+FRICTION, TYRE_SLIP, CASTER_SHARE, WHEEL_INERTIA = 8, 9, 10, 11
 """Places of the base parameters in the parameter vector P (`parameters.BASE` names them in this order)."""
 
 NEWTON_STEPS = 12
 """Most iterations for the crossing of motor and tyre; two or three are the rule."""
 NEWTON_TOLERANCE = 1e-7
 """Change of the slip at which the iteration ends [m/s]; as it converges quadratically, the error is then 1e-12."""
+LEAST_INERTIA = 0.05
+"""Least yaw inertia [1], as a part of mass times the square of half the axle (assumed; keeps odd fits solvable)."""
 STILL = 1e-12
 """Speeds below this are zero [m/s, rad/s]: keeps a resting robot exactly still."""
 
@@ -111,19 +118,33 @@ def add_damper(W, px, py, kx, ky):
     W[DAMP + 5] += kx * py * py + ky * px * px
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
+def add_oblique_damper(W, px, py, dx, dy, k):
+    """Add a damper of stiffness k [N s/m] at the point (px, py) [m] that acts along the unit vector (dx, dy) of `base`."""
+    arm = px * dy - py * dx
+    W[DAMP] += k * dx * dx
+    W[DAMP + 1] += k * dx * dy
+    W[DAMP + 2] += k * dx * arm
+    W[DAMP + 3] += k * dy * dy
+    W[DAMP + 4] += k * dy * arm
+    W[DAMP + 5] += k * arm * arm
+
+
+@njit(error_model="numpy")
 def begin_base(P, W):
     """Set what stays the same for a whole roll-out: masses, geometry, motors; effects may change it afterwards."""
     mass, half = P[BODY_MASS], 0.5 * P[AXLE]
     W[:] = 0.0
-    W[MASS] = mass
-    W[DRIVE] = W[DRIVE + 1] = 0.5 * mass / P[TAU_FORWARD]
-    W[INERTIA] = P[TAU_TURN] * W[DRIVE] * 2.0 * half * half
-    W[HALF_AXLE] = half
+    W[MASS], W[HALF_AXLE] = mass, half
     W[RADIUS], W[RADIUS + 1] = P[WHEEL_RADIUS], P[WHEEL_RADIUS + 1]
+    rotating = P[WHEEL_INERTIA] / (0.5 * (W[RADIUS] + W[RADIUS + 1])) ** 2
+    W[ROTATING] = rotating
+    W[BASE_DRIVE] = (0.5 * mass + rotating) / P[TAU_FORWARD]
+    inertia = 2.0 * half * half * (P[TAU_TURN] * W[BASE_DRIVE] - rotating)
+    W[INERTIA] = max(inertia, LEAST_INERTIA * mass * half * half)
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
 def share_load(P, W):
     """Distribute the weight [N] over wheels and caster by the centre of mass; called once, after the effects' begin.
 
@@ -136,14 +157,15 @@ def share_load(P, W):
     W[LOAD], W[LOAD + 1] = wheels * left, wheels * (1.0 - left)
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
 def begin_step(P, W):
     """Fill the workbench with the base robot's values for one step; the commands and the step are already there."""
-    drive = 0.5 * P[BODY_MASS] / P[TAU_FORWARD]
+    drive = W[BASE_DRIVE]
     for side in range(2):
         W[TARGET + side] = P[GAIN + side] * W[COMMAND + side]
         W[DRIVE + side] = drive
         W[DRY + side] = 0.0
+        W[ENGAGED + side] = 1.0
         W[GRIP + side] = P[FRICTION] * W[LOAD + side]
     W[SLIP_SPEED] = P[TYRE_SLIP]
     W[SIDE_COMPLIANCE] = 0.0
@@ -152,7 +174,7 @@ def begin_step(P, W):
         W[i] = 0.0
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
 def slip_at_crossing(excess, drive, grip, floor2, guess):
     """Return the slip [m/s] at which motor and tyre pass the same force.
 
@@ -174,52 +196,61 @@ def slip_at_crossing(excess, drive, grip, floor2, guess):
     return math.copysign(s, excess)
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
 def meet_ground(S, W, side, speed, across):
-    """Find the line force = slope (target - speed) of one wheel and its tyre's secant stiffness for this step.
+    """Find the line force = LINE_FORCE - LINE_SLOPE speed of one wheel and its tyre's secant stiffness for this step.
 
-    `speed` [m/s] of the axle's end along the wheel, `across` [m/s] to the left. Dry friction of the drive train shifts
-    the motor's line against the rotation; a wheel that it holds still is a tyre that is dragged.
+    `speed` [m/s] of the axle's end along the wheel, `across` [m/s] to the left. By the trapezoid rule the rotating mass
+    acts like a second, steep motor line through the rim speed before the step, and the crossing is the rim's mean speed.
+    Dry friction of the drive train shifts the line against the rotation; a wheel that it holds is a dragged tyre.
     """
-    drive, grip, dry, target = W[DRIVE + side], W[GRIP + side], W[DRY + side], W[TARGET + side]
+    inert = 2.0 * W[ROTATING] / W[STEP]
+    drive = W[DRIVE + side] + inert
+    target = (W[DRIVE + side] * W[TARGET + side] + inert * S[RIM + side]) / drive
+    dry, engaged = W[DRY + side], W[ENGAGED + side]
     floor2 = across * across + W[SLIP_SPEED] * W[SLIP_SPEED]
-    if drive > 0.0:
-        guess = S[RIM + side] - speed
+    if engaged > 0.0:
         effective = target - dry / drive
-        slip = slip_at_crossing(effective - speed, drive, grip, floor2, guess)
+        guess = S[RIM + side] - speed
+        slip = slip_at_crossing(effective - speed, drive, W[GRIP + side], floor2, guess)
         if dry > 0.0 and speed + slip <= 0.0:
             effective = target + dry / drive
-            slip = slip_at_crossing(effective - speed, drive, grip, floor2, guess)
+            slip = slip_at_crossing(effective - speed, drive, W[GRIP + side], floor2, guess)
         if dry == 0.0 or (speed + slip) * (effective - target) < 0.0:
-            roll_driven(W, side, speed, slip, effective, floor2)
+            r2 = slip * slip + floor2
+            stiffness = W[GRIP + side] / math.sqrt(r2)
+            slope = drive * stiffness * floor2 / (drive * r2 + stiffness * floor2)
+            W[SLIP_STIFFNESS + side] = stiffness
+            W[LINE_SLOPE + side] = engaged * slope
+            W[LINE_FORCE + side] = engaged * (stiffness * slip + slope * speed)
+            W[RIM_TARGET + side], W[RIM_SHARE + side] = effective, 1.0 / (engaged * drive)
             return
-    hold_or_coast(W, side, speed, floor2)
+    hold_or_coast(S, W, side, speed, floor2)
 
 
-@njit(error_model="numpy",inline="always")
-def roll_driven(W, side, speed, slip, effective, floor2):
-    """Describe a wheel that its motor turns, by the tangent at the crossing."""
-    drive, r2 = W[DRIVE + side], slip * slip + floor2
-    stiffness = W[GRIP + side] / math.sqrt(r2)
-    slope = drive * stiffness * floor2 / (drive * r2 + stiffness * floor2)
-    W[SLIP_STIFFNESS + side] = stiffness
-    W[LINE_SLOPE + side] = slope
-    W[LINE_FORCE + side] = stiffness * slip + slope * speed
-    W[RIM_TARGET + side], W[RIM_SHARE + side] = effective, 1.0 / drive
+@njit(error_model="numpy")
+def hold_or_coast(S, W, side, speed, floor2):
+    """Describe a wheel that dry friction holds still (a dragged tyre), or one that turns freely in its gears' play.
 
-
-@njit(error_model="numpy",inline="always")
-def hold_or_coast(W, side, speed, floor2):
-    """Describe a wheel without a motor's torque, or one that dry friction holds still: a dragged tyre."""
+    In the play the motor goes its own way, d w / dt = D (T - w) / m_w, which is what the rim speed then stands for.
+    """
     stiffness = W[GRIP + side] / math.sqrt(speed * speed + floor2)
-    coasts = W[DRIVE + side] <= 0.0 and stiffness * abs(speed) > W[DRY + side]
-    W[SLIP_STIFFNESS + side] = W[GRIP + side] / math.sqrt(floor2) if coasts else stiffness
-    W[LINE_SLOPE + side] = W[DRY + side] / abs(speed) if coasts else stiffness
-    W[LINE_FORCE + side] = 0.0
-    W[RIM_TARGET + side], W[RIM_SHARE + side] = speed if coasts else 0.0, 0.0
+    W[SLIP_STIFFNESS + side], W[LINE_SLOPE + side], W[LINE_FORCE + side] = stiffness, stiffness, 0.0
+    W[RIM_TARGET + side], W[RIM_SHARE + side] = 0.0, 0.0
+    if W[ENGAGED + side] > 0.0:
+        return
+    W[SLIP_STIFFNESS + side], W[LINE_SLOPE + side] = W[GRIP + side] / math.sqrt(floor2), 0.0
+    rim, target = S[RIM + side], W[TARGET + side]
+    W[RIM_TARGET + side] = 0.5 * (rim + free_speed(rim, target, W[DRIVE + side], W[ROTATING], W[STEP]))
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
+def free_speed(rim, target, drive, rotating, h):
+    """Return the rim speed [m/s] of an unloaded motor after h [s]; without rotating mass it is the target at once."""
+    return target + (rim - target) * math.exp(-drive * h / rotating) if rotating > 0.0 else target
+
+
+@njit(error_model="numpy")
 def add_tyres(S, W):
     """Let both wheels meet the ground and add their forces to the body's balance."""
     half = W[HALF_AXLE]
@@ -232,14 +263,14 @@ def add_tyres(S, W):
         add_force(W, force, 0.0, -arm * force)
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
 def finish_step(S, W):
     """Solve the balance for the new velocity and place the robot; the result lies in W from `NEXT` on."""
     h, m, cx, cy = W[STEP], W[MASS], W[COM_X], W[COM_Y]
     v, l, omega = S[V], S[L], S[OMEGA]
     gyro = m * omega
-    b01, b02, b12 = -gyro, W[DAMP + 2] - gyro * cx, W[DAMP + 4] - gyro * cy
-    b10, b20, b21 = gyro, W[DAMP + 2] + gyro * cx, W[DAMP + 4] + gyro * cy
+    b01, b02, b12 = W[DAMP + 1] - gyro, W[DAMP + 2] - gyro * cx, W[DAMP + 4] - gyro * cy
+    b10, b20, b21 = W[DAMP + 1] + gyro, W[DAMP + 2] + gyro * cx, W[DAMP + 4] + gyro * cy
     b00, b11, b22 = W[DAMP], W[DAMP + 3], W[DAMP + 5]
     r0 = h * (W[FORCE_X] - b00 * v - b01 * l - b02 * omega)
     r1 = h * (W[FORCE_Y] - b10 * v - b11 * l - b12 * omega)
@@ -264,7 +295,7 @@ def settle(speed):
     return speed if abs(speed) > STILL else 0.0
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
 def turn_wheels(S, W):
     """Advance the wheels' angles [rad] and rim speeds [m/s] with the body's mean speed over the step."""
     v = 0.5 * (S[V] + W[NEXT + V])
@@ -272,11 +303,13 @@ def turn_wheels(S, W):
         arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
         speed = v - arm * W[MEAN_OMEGA]
         force = W[LINE_FORCE + side] - W[LINE_SLOPE + side] * speed
-        S[RIM + side] = W[RIM_TARGET + side] - W[RIM_SHARE + side] * force
-        S[ANGLE + side] += W[STEP] * S[RIM + side] / W[RADIUS + side]
+        mean = W[RIM_TARGET + side] - W[RIM_SHARE + side] * force
+        held = W[RIM_SHARE + side] == 0.0 and W[ENGAGED + side] > 0.0
+        S[RIM + side] = 0.0 if held else settle(2.0 * mean - S[RIM + side])
+        S[ANGLE + side] += W[STEP] * mean / W[RADIUS + side]
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
 def place_robot(S, W):
     """Move the centre of mass by the mean of its old and new velocity in `world`, and the axle with it."""
     h, cx, cy = W[STEP], W[COM_X], W[COM_Y]
@@ -305,7 +338,7 @@ def small_rotation(angle):
     return cosine, angle * (1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0 - q / 362880.0))))
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
 def accept_step(S, W):
     """Make the result of the step the new state."""
     for i in range(6):
@@ -314,7 +347,7 @@ def accept_step(S, W):
     S[TIME] += W[STEP]
 
 
-@njit(error_model="numpy",inline="always")
+@njit(error_model="numpy")
 def look_around(S, W):
     """Use the simulated pose and wheel angles where an effect asks for place, heading or roll."""
     W[slots.PLACE_X], W[slots.PLACE_Y] = S[X], S[Y]

@@ -19,6 +19,7 @@ from fsm_calib.world2d.effects import Effect, Parameter, registry
 KINEMATICS = "Duckietown kinematics node: motor constant 27 rad/s, radius 0.0318 m; DB18 model 0.6 m/s at full command"
 SPREAD = "gains of 32 real robots: right over left 0.78 to 1.19 (Duckietown calibration logs)"
 MODEL = "duckietown-world pwm_dynamics.py: 0.2 and 0.25 s in the DB18 model; a 1.1 kg body on 0.2 N m motors: 0.05, 0.13 s"
+ROTOR = "a rotor of 1.2e-7 kg m2 behind 48:1 gears; a third of a Duckiebot's inertia, assumed"
 ASSUMED = "assumed; no published measurement was found"
 
 BASE: tuple[Parameter, ...] = (
@@ -33,6 +34,7 @@ BASE: tuple[Parameter, ...] = (
     Parameter("friction", "mu", "1", 0.75, 0.05, 50.0, 0.75, f"rubber on foam mats, {ASSUMED}", fitted=False),
     Parameter("slip_speed", "s0", "m/s", 0.0125, 1e-5, 0.2, 0.0125, f"tyre lag of 2 to 3 ms, {ASSUMED}", fitted=False),
     Parameter("caster_share", "c", "1", 0.0, 0.0, 0.6, 0.1, f"weight on the caster, {ASSUMED}", fitted=False),
+    Parameter("wheel_inertia", "J", "kg m2", 2.8e-4, 0.0, 0.1, 2.8e-4, ROTOR, fitted=False),
 )
 """The base robot, in the order of `dynamics`' places."""
 

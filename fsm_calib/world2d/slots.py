@@ -15,7 +15,7 @@ V, L, OMEGA = 3, 4, 5
 ANGLE = 6
 """Angles of the wheels, left and right [rad] (slots 6, 7)."""
 RIM = 8
-"""Speed of the rims relative to the axle [m/s] (slots 8, 9): what an encoder's rate times the radius would read."""
+"""Speed of the rims relative to the axle [m/s] (slots 8, 9): an encoder's rate times the wheel's radius."""
 TIME = 10
 """Time since the start of the roll-out [s]."""
 HEADING_COS, HEADING_SIN = 11, 12
@@ -71,8 +71,12 @@ LOAD = 52
 NEXT_COS, NEXT_SIN = 54, 55
 """Cosine and sine of the heading after the step."""
 RIM_TARGET, RIM_SHARE = 56, 58
-"""The rim's speed = target (56, 57) [m/s] - share (58, 59) [m/(N s)] times the force along."""
-BENCH_SIZE = 60
+"""The rim's mean speed = target (56, 57) [m/s] - share (58, 59) [m/(N s)] times the force along."""
+ENGAGED = 60
+"""How much of the step the motors' gears are engaged, 0 to 1 (60, 61)."""
+BASE_DRIVE, ROTATING = 62, 63
+"""The base's DRIVE [N s/m], and the rotating inertia of a wheel and its motor as a mass at the rim [kg]."""
+BENCH_SIZE = 64
 
 # ---- constants of the world ----------------------------------------------------------------------------------------
 GRAVITY = 9.80665

@@ -12,7 +12,8 @@ P is the parameter vector and o the place of the effect's first parameter; S, W 
 work on whole recordings, with NumPy:
 
     clock(p, t) -> t           time stamps of the pose sensor [s] to the robot's time [s]
-    observe(p, poses) -> poses the sensor's poses, shape (n, 3), from the robot's
+    observe(p, poses, places)  the sensor's poses, shape (n, 3), from the robot's; `places`, shape (n, 2), is where the
+                               robot is known to be, for effects of places
 """
 
 from __future__ import annotations

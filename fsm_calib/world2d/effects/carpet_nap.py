@@ -1,0 +1,48 @@
+r"""A carpet's pile resists more against its lie than along it.
+
+    F = -(|n| - n . d) d v / sqrt(v^2 + creep^2)
+
+d: unit vector of the motion (forward or backward) in `world`, v [m/s] its speed, n [N]: the nap's vector, pointing where
+driving is easiest: no additional drag along it, |n| across it, 2 |n| against it. It only ever resists. Source: direction
+dependence of rolling resistance on pile carpet; the cosine is the lowest harmonic (assumed).
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from fsm_calib.world2d.dynamics import add_damper
+from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.slots import COS, CREEP_SPEED, SIN, V
+
+
+@njit(error_model="numpy")
+def resist(P, o, S, m, W):
+    """Add the drag as a damper along the robot."""
+    speed = math.sqrt(S[V] * S[V] + CREEP_SPEED * CREEP_SPEED)
+    ease = (W[COS] * P[o] + W[SIN] * P[o + 1]) * S[V] / speed
+    add_damper(W, 0.0, 0.0, max(math.hypot(P[o], P[o + 1]) - ease, 0.0) / speed, 0.0)
+
+
+EFFECT = Effect(
+    name="carpet_nap",
+    family="floor",
+    summary="drag by direction",
+    equation="F = -(|n| - n.d) d sgn(v)",
+    parameters=(
+        Parameter("x", "n_x", "N", 0.0, -3.0, 3.0, 0.2, "2 to 10 % of the weight", starts=(0.2, -0.2, 0.0)),
+        Parameter("y", "n_y", "N", 0.0, -3.0, 3.0, 0.15, "2 to 10 % of the weight", mirror="negate", starts=(0.0, 0.2, -0.2)),
+    ),
+    hooks={"step": resist},
+    channels=("forward",),
+    regimes=("heading",),
+    separates="depends on the heading like a tilt, but never moves a resting robot",
+    rivals=("floor_tilt", "caster_drag", "coulomb_friction", "motor_reverse_asymmetry"),
+    manoeuvre="straights on four headings, each followed by a rest with the wheels at zero",
+    sentence="A carpet's nap eases driving along ({x}, {y}) and resists against it.",
+    source="rolling resistance on pile carpet, lowest harmonic (assumed)",
+    order=81,
+    dissipative=True,
+)

@@ -1,0 +1,46 @@
+r"""Dry friction in motor and gearbox: a torque that always opposes the wheel's rotation and holds it at rest.
+
+    R F = tau_motor - tau_c sgn(w)            w != 0
+    w = 0                                     |tau_motor - R F_tyre| <= tau_c
+
+tau_c [N m] friction torque of one wheel: friction, plus or minus half the difference for left and right; R [m] wheel
+radius, w [m/s] rim speed, F [N] force at the rim. Sources: Armstrong-Helouvry, Dupont & Canudas de Wit, Automatica 30
+(1994) 1083, section 2; Park, Lee & Kuipers, ICRA 2017 (dry friction of a small differential drive).
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.slots import DRY, RADIUS
+
+
+@njit(error_model="numpy")
+def resist(P, o, S, m, W):
+    """Add the friction, as a force at the rim."""
+    for side in range(2):
+        W[DRY + side] += max(P[o] + (0.5 - side) * P[o + 1], 0.0) / W[RADIUS + side]
+
+
+EFFECT = Effect(
+    name="coulomb_friction",
+    family="resistance",
+    summary="dry friction in the drive train",
+    equation="R F = tau_motor - tau_c sgn(w), held at w = 0",
+    parameters=(
+        Parameter("friction", "tau_c", "N m", 0.0, 0.0, 0.1, 0.008, "3 to 10 % of the stall torque", starts=(0.004, 0.012)),
+        Parameter("difference", "delta_tau", "N m", 0.0, -0.1, 0.1, 0.004, "left more than right", mirror="negate"),
+    ),
+    hooks={"step": resist},
+    channels=("forward", "turn"),
+    regimes=("slow", "starting", "stopping"),
+    separates="holds the wheels at rest and acts on each wheel; drag at the caster acts on the body behind the axle",
+    rivals=("caster_drag", "motor_deadband", "tyre_scrub", "motor_gain_curve"),
+    manoeuvre="coasting to a stop from three speeds, and spins",
+    sentence="Dry friction takes {friction} from each motor and holds it at rest.",
+    source="Armstrong-Helouvry et al. 1994; Park, Lee & Kuipers 2017",
+    variants=(("friction",), ("friction", "difference")),
+    order=70,
+    dissipative=True,
+)

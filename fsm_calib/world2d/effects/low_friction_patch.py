@@ -1,0 +1,48 @@
+r"""A slippery spot: tyres that stand on it pass less force.
+
+    mu_i = mu (1 - loss)        |p_i - (x, y)| <= radius
+
+mu [1] friction coefficient, loss [1] the part that is missing, p_i [m] place of wheel i, centre (x, y) and radius [m] of a
+disc. Wheels then spin up or slide. Source: combined slip of `dynamics`; Pacejka 2012, section 3.2.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.places import in_disc, wheel_place
+from fsm_calib.world2d.slots import GRIP
+
+
+@njit(error_model="numpy")
+def slip(P, o, S, m, W):
+    """Lower the grip of each wheel inside."""
+    for side in range(2):
+        x, y = wheel_place(W, side)
+        W[GRIP + side] *= 1.0 - P[o] * in_disc(x, y, P[o + 1], P[o + 2], P[o + 3])
+
+
+EFFECT = Effect(
+    name="low_friction_patch",
+    family="patch",
+    summary="a slippery spot",
+    equation="mu_i = mu (1 - loss) for wheels inside a disc",
+    parameters=(
+        Parameter("loss", "q", "1", 0.0, 0.0, 0.995, 0.93, "dust, water or tape: 0.5 to 0.95", starts=(0.8, 0.95), step=1e-3),
+        Parameter("x", "x_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=2e-3),
+        Parameter("y", "y_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3),
+        Parameter("radius", "r_s", "m", 0.2, 0.03, 3.0, 0.25, "a spot of 5 to 40 cm", strength=False, step=2e-3, starts=(0.15, 0.25)),
+    ),
+    hooks={"step": slip},
+    channels=("forward", "turn", "lateral"),
+    regimes=("place",),
+    separates="shows when the robot accelerates or curves there, with wheels that spin; a rough spot slows it at any time",
+    rivals=("rough_floor_patch", "misplaced_marker", "external_push"),
+    manoeuvre="start, stop and turn on the spot, on two headings",
+    sentence="Within {radius} of ({x}, {y}) the floor has lost {loss} of its grip.",
+    source="Pacejka 2012, section 3.2",
+    scan="place",
+    order=84,
+    dissipative=True,
+)

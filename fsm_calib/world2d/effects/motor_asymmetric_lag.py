@@ -1,0 +1,49 @@
+r"""Slowing down takes another time than speeding up.
+
+    F = D (T - w) a,    a = 1 where the motor drives, a = 1 / ratio where it brakes ((T - w) w < 0)
+
+F [N] at the rim, D [N s/m], T no-load and w actual rim speed [m/s]; ratio [1] = time constant of slowing down over that
+of speeding up: above 1 for a driver that lets the motor coast, below 1 for one that shorts it. The change is spread
+over 1 cm/s around standstill and no-load. Source: H-bridge decay modes, e.g. TI DRV8833 data sheet, section 7.3.2.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.slots import DRIVE, RIM, TARGET
+
+SOFT = 0.01
+"""Speed over which driving turns into braking [m/s] (assumed)."""
+
+
+@njit(error_model="numpy")
+def brake(P, o, S, m, W):
+    """Scale the motors' slope where they brake."""
+    for side in range(2):
+        rim = S[RIM + side]
+        against = (W[TARGET + side] - rim) * rim
+        share = 0.5 - 0.5 * against / math.sqrt(against * against + SOFT**4)
+        W[DRIVE + side] *= 1.0 + share * (1.0 / P[o] - 1.0)
+
+
+EFFECT = Effect(
+    name="motor_asymmetric_lag",
+    family="timing",
+    summary="slowing down takes another time than speeding up",
+    equation="F = D (T - w) / ratio while braking",
+    parameters=(Parameter("ratio", "r", "1", 1.0, 0.2, 5.0, 1.6, "coast against brake: 1.3 to 2.5", starts=(0.7, 1.5)),),
+    hooks={"step": brake},
+    channels=("forward", "turn"),
+    regimes=("transient", "stopping"),
+    separates="shows after steps down and not after steps up; a delay shows after both",
+    rivals=("command_delay", "coulomb_friction", "gear_backlash"),
+    manoeuvre="starts and stops at three speeds",
+    sentence="Slowing down takes {ratio} times as long as speeding up.",
+    source="TI DRV8833 data sheet, decay modes",
+    order=60,
+    dissipative=True,
+)

@@ -1,0 +1,55 @@
+r"""A rough stretch of floor: each wheel that is on it has additional rolling resistance.
+
+    F_i = -drag sgn(v_i)        |x_i - x| <= half_x, |y_i - y| <= half_y
+
+F [N] at wheel i, which stands at (x_i, y_i) [m] in `world`; drag [N], centre (x, y) and half sizes [m] of a box along the
+axes (a strip is a long box). Source: rolling resistance, e.g. Wong, Theory of Ground Vehicles, 4th ed., section 1.2.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from fsm_calib.world2d.dynamics import add_damper
+from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.places import in_box, wheel_place
+from fsm_calib.world2d.slots import CREEP_SPEED, HALF_AXLE, OMEGA, V
+
+
+@njit(error_model="numpy")
+def resist(P, o, S, m, W):
+    """Add the resistance of each wheel as a damper at its contact."""
+    for side in range(2):
+        x, y = wheel_place(W, side)
+        arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
+        speed = S[V] - arm * S[OMEGA]
+        drag = P[o] * in_box(x, y, P[o + 1], P[o + 2], P[o + 3], P[o + 4])
+        add_damper(W, 0.0, arm, drag / math.sqrt(speed * speed + CREEP_SPEED * CREEP_SPEED), 0.0)
+
+
+EFFECT = Effect(
+    name="rough_floor_patch",
+    family="patch",
+    summary="a stretch of floor with more rolling resistance",
+    equation="F_i = -drag sgn(v_i) for wheels inside a box",
+    parameters=(
+        Parameter("drag", "F_p", "N", 0.0, 0.0, 6.0, 0.8, "5 to 30 % of the wheel load", starts=(0.5, 1.5)),
+        Parameter("x", "x_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=2e-3),
+        Parameter("y", "y_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3),
+        Parameter("half_x", "a_p", "m", 0.2, 0.02, 100.0, 0.2, "a mat or a strip", strength=False, step=2e-3, starts=(0.1, 0.2, 3.0)),
+        Parameter("half_y", "b_p", "m", 0.2, 0.02, 100.0, 0.25, "a mat or a strip", strength=False, step=2e-3, starts=(0.1, 0.2, 3.0)),
+    ),
+    hooks={"step": resist},
+    channels=("forward", "turn"),
+    regimes=("place",),
+    separates="only there, on every heading, against the motion; a misplaced marker moves the pose and not the robot",
+    rivals=("low_friction_patch", "misplaced_marker", "carpet_nap"),
+    manoeuvre="cross the place on two headings and at two speeds",
+    sentence="Around ({x}, {y}) the floor resists each wheel with {drag}.",
+    source="Wong, Theory of Ground Vehicles, 4th ed., section 1.2",
+    scan="place",
+    order=85,
+    dissipative=True,
+)

@@ -1,0 +1,57 @@
+r"""A wheel sits off its centre: its rolling radius changes with its angle.
+
+    R_i(phi) = R_i (1 + e_i cos(phi_i + phase_i))
+
+R [m] mean radius, phi [rad] angle of the wheel since the start of the recording, e [1] eccentricity over radius, phase
+[rad] at the start. Motor speed and torque are unchanged: no-load rim speed grows with R, the slope of the force falls
+with R^2. Source: rolling of an eccentric disc; Borenstein & Feng, IEEE Trans. Robotics and Automation 12 (1996) 869
+(unequal radii).
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.slots import DRIVE, ROLL, TARGET
+
+
+@njit(error_model="numpy")
+def wobble(P, o, S, m, W):
+    """Scale target and slope of each wheel by its momentary radius."""
+    for side in range(2):
+        scale = 1.0 + P[o + side] * math.cos(W[ROLL + side] + P[o + 2 + side])
+        W[TARGET + side] *= scale
+        W[DRIVE + side] /= scale * scale
+
+
+EFFECT = Effect(
+    name="wheel_eccentricity",
+    family="wheel",
+    summary="a wheel sits off its centre",
+    equation="R_i(phi) = R_i (1 + e_i cos(phi_i + phase_i))",
+    parameters=(
+        Parameter("left", "e_l", "1", 0.0, 0.0, 0.3, 0.04, "0.5 to 2 % new, more when bent", mirror="swap:right", starts=(0.03,)),
+        Parameter("right", "e_r", "1", 0.0, 0.0, 0.3, 0.0, "0.5 to 2 % new, more when bent", mirror="swap:left", starts=(0.03,)),
+        Parameter(
+            "phase_left", "phi_l", "rad", 0.0, -20.0, 20.0, 1.0, "any", strength=False, per_recording=True,
+            mirror="swap:phase_right", starts=(0.0, 2.1, 4.2), step=1e-3,
+        ),
+        Parameter(
+            "phase_right", "phi_r", "rad", 0.0, -20.0, 20.0, 0.0, "any", strength=False, per_recording=True,
+            mirror="swap:phase_left", starts=(0.0, 2.1, 4.2), step=1e-3,
+        ),
+    ),
+    hooks={"step": wobble},
+    channels=("forward", "turn"),
+    regimes=("wheel_phase", "one_wheel"),
+    separates="repeats every turn of the wheel (0.2 m), whatever the place",
+    rivals=("misplaced_marker", "rough_floor_patch"),
+    manoeuvre="a long straight at steady speed",
+    sentence="A wheel sits off its centre by {left} (left) and {right} (right) of its radius.",
+    source="Borenstein & Feng 1996",
+    variants=(("left", "phase_left"), ("right", "phase_right"), ("left", "right", "phase_left", "phase_right")),
+    order=58,
+)  # fmt: skip

@@ -1,0 +1,97 @@
+"""From the robot's states to what the pose sensor reports: its clock, its place on the robot, its map.
+
+The hooks `clock` and `observe` of the active effects act in their order; everything is NumPy on whole recordings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsm_calib.types import FloatArray, Pose2
+from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.rollout import FIT_STEP, Drive, simulate
+
+
+def _active(parameters: FloatArray, stage: str) -> list[tuple[Effect, FloatArray]]:
+    """Return the active effects with a hook for the stage, in their order, with their parameters."""
+    table, on = parameter_table(), set(parameter_table().active_effects(parameters))
+    found = [e for e in registry().values() if stage in e.hooks and e.name in on]
+    found.sort(key=lambda e: (e.order, e.name))
+    return [(e, parameters[table.first[e.name] : table.first[e.name] + len(e.parameters)]) for e in found]
+
+
+def robot_time(parameters: FloatArray, stamps: FloatArray) -> FloatArray:
+    """Return the robot's time [s] at which the poses with the given stamps [s] were true, shape (n,)."""
+    time = np.array(stamps, dtype=float)
+    for effect, values in _active(parameters, "clock"):
+        time = effect.hooks["clock"](values, time)
+    return time
+
+
+def observe(parameters: FloatArray, poses: FloatArray, places: FloatArray | None = None) -> FloatArray:
+    """Return what the pose sensor reports for the robot's poses, shape (n, 3) [m, m, rad].
+
+    `places`, shape (n, 2) [m], is where the robot is known to have been (for effects of places); default: the poses.
+    """
+    measured = np.array(poses, dtype=float)[:, :3]
+    where = measured[:, :2].copy() if places is None else np.asarray(places, dtype=float)
+    for effect, values in _active(parameters, "observe"):
+        measured = effect.hooks["observe"](values, measured, where)
+    return measured
+
+
+def base_pose(parameters: FloatArray, measured: Pose2) -> Pose2:
+    """Return the pose of the axle centre for a measured pose: the inverse of the sensor's place (not of map errors)."""
+    table = parameter_table()
+    x, y, yaw = (parameters[table.place(n)] for n in ("sensor_offset.x", "sensor_offset.y", "sensor_yaw.yaw"))
+    return Pose2(measured.x, measured.y, measured.theta).then(Pose2(0.0, 0.0, -yaw)).then(Pose2(-x, -y, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What would be measured: poses at the stamps, shape (n, 3) [m, m, rad, not wrapped]; wheel angles, shape (m, 2)
+    [rad]; the robot's states at the poses' true times, shape (n, 12), columns `rollout.COLUMNS`."""
+
+    poses: FloatArray
+    wheel_angles: FloatArray
+    states: FloatArray
+
+
+def predict(
+    parameters: FloatArray,
+    drive: Drive,
+    stamps: FloatArray,
+    x0: Sequence[float] | FloatArray,
+    pose_track: FloatArray | None = None,
+    wheel_times: FloatArray | None = None,
+    dt: float = FIT_STEP,
+) -> Prediction:
+    """Drive the robot and return what its sensors would report.
+
+    Parameters
+    ----------
+    parameters, drive, pose_track, dt
+        As in `rollout.simulate`.
+    stamps : array, shape (n,)
+        Time stamps of the poses [s], increasing, on the pose sensor's clock.
+    x0 : sequence
+        Pose of the axle, or pose and twist, at the earliest of all times.
+    wheel_times : array, shape (m,), optional
+        Times of the wheel angles [s] on the robot's clock.
+    """
+    true_times = robot_time(parameters, stamps)
+    if wheel_times is None:
+        states = simulate(parameters, drive, true_times, x0, pose_track, dt)
+        angles = np.zeros((0, 2))
+    else:
+        grid, places = np.unique(np.concatenate([true_times, wheel_times]), return_inverse=True)
+        both = simulate(parameters, drive, grid, x0, pose_track, dt)[places.ravel()]
+        states, angles = both[: len(true_times)], both[len(true_times) :, 6:8]
+    where = None
+    if pose_track is not None:
+        where = np.column_stack([np.interp(true_times, pose_track[:, 0], pose_track[:, i]) for i in (1, 2)])
+    return Prediction(observe(parameters, states, where), angles, states)
