@@ -2,8 +2,104 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
 import typer
+
+from fsm_calib.errors import InputError
+
+if TYPE_CHECKING:
+    from fsm_calib.scenario.models import Scenario
+
+DEFAULT_OUT = Path("out")
+"""Where a run leaves its files when nothing else is said."""
 
 
 def register(app: typer.Typer) -> None:
     """Add `run` to the command line."""
+    app.command()(run)
+
+
+def run(
+    scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)],
+    out: Annotated[
+        Path | None, typer.Option(help="Where files go (default: out).", show_default=False)
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Another seed than the scenario's.", show_default=False)
+    ] = None,
+    resume: Annotated[
+        Path | None, typer.Option(help="Go on with the run in this directory.", show_default=False)
+    ] = None,
+) -> None:
+    """Calibrate a robot as a scenario says: camera, wheels, exit, lane."""
+    from fsm_calib.runner.progress import ProgressBar
+    from fsm_calib.runner.run import run_scenario
+    from fsm_calib.scenario.load import load_scenario
+
+    if resume is not None and out is not None and out != resume:
+        raise InputError(
+            "--out and --resume name two directories", where="--out", cure="Give --resume alone."
+        )
+    loaded = with_seed(load_scenario(scenario), seed)
+    directory = resume or out or DEFAULT_OUT
+    with ProgressBar(loaded.plan) as bar:
+        finished = run_scenario(loaded, directory, resume=resume is not None, observer=bar)
+    typer.echo(summary(finished.result, directory))
+    if finished.result["outcome"] != "done":
+        typer.echo(reason(finished.result, scenario, directory), err=True)
+        raise typer.Exit(1)
+
+
+def with_seed(scenario: Scenario, seed: int | None) -> Scenario:
+    """Return the scenario with another seed.
+
+    Raises
+    ------
+    InputError
+        The seed is negative.
+    """
+    if seed is None:
+        return scenario
+    if seed < 0:
+        raise InputError(f"the seed is {seed}", where="--seed", cure="Give 0 or more.")
+    return scenario.model_copy(update={"seed": seed})
+
+
+def reason(result: dict[str, Any], scenario: Path, directory: Path) -> str:
+    """Return why a run did not get done, and the cure."""
+    failure = result["failure"]
+    if failure is None:
+        return f"fsm-calib: the run was stopped. Go on with: fsm-calib run {scenario} --resume {directory}"
+    return f"fsm-calib: {failure['name']}: {failure['reason']} {failure['cure']}"
+
+
+def summary(result: dict[str, Any], directory: Path) -> str:
+    """Return a run's figures, one a line."""
+    lines = [f"outcome      {result['outcome']}"]
+    camera, wheels, lane, seconds = (result[name] for name in ("camera", "wheels", "in_lane", "seconds"))
+    if camera:
+        lines.append(
+            f"camera       {camera['true_px']:.2f} px from the truth "
+            f"(predicted {camera['predicted_px']:.2f} px, rms {camera['rms_px']:.3f} px, "
+            f"{camera['views_used']} views)"
+        )
+    if wheels:
+        lines.append(
+            f"wheels       k = {wheels['wheel_ratio']:.4f} (true {wheels['true_wheel_ratio']:.4f}) "
+            f"after {wheels['iterations']} iterations; {_centimetres(wheels['deviation_2m_m'])} after 2 m"
+        )
+    if lane:
+        before, after = _centimetres(lane["deviation_before_m"]), _centimetres(lane["deviation_after_m"])
+        ratios = f"k = {lane['wheel_ratio_before']:.4f} -> {lane['wheel_ratio_after']:.4f}"
+        lines.append(f"in the lane  {ratios}; {before} -> {after} after 2 m")
+    lines.append(f"time         {seconds['simulated']:.1f} s simulated in {seconds['wall']:.1f} s")
+    total = sum(seconds["by_part"].values()) or 1.0
+    parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in seconds["by_part"].items())
+    return "\n".join([*lines, f"by part      {parts}", f"files        {directory}/"])
+
+
+def _centimetres(metres: float | None) -> str:
+    """Return a deviation as text."""
+    return "no drive" if metres is None else f"{100.0 * metres:+.1f} cm"

@@ -25,12 +25,18 @@ def error_map(calibration: CameraCalibration) -> str:
         points = image_grid((camera.width, camera.height)).reshape(*grid.shape, 2)
         top = max(float(np.percentile(grid, 98.0)), 1e-6)
         filled = axes.contourf(
-            points[..., 0], points[..., 1], np.minimum(grid, top), levels=np.linspace(0.0, top, 13), cmap="viridis"
+            points[..., 0],
+            points[..., 1],
+            np.minimum(grid, top),
+            levels=np.linspace(0.0, top, 13),
+            cmap="viridis",
         )
         lines = axes.contour(points[..., 0], points[..., 1], grid, levels=5, colors="white", linewidths=0.6)
         axes.clabel(lines, fmt="%.2g", fontsize=7)
         fig.colorbar(filled, ax=axes, label="predicted error [px]", shrink=0.85)
-        axes.set(xlim=(0, camera.width), ylim=(camera.height, 0), xlabel="u [px]", ylabel="v [px]", aspect="equal")
+        axes.set(
+            xlim=(0, camera.width), ylim=(camera.height, 0), xlabel="u [px]", ylabel="v [px]", aspect="equal"
+        )
         return svg(fig, "Predicted projection error over the image")
 
 
@@ -47,7 +53,9 @@ def residual_arrows(calibration: CameraCalibration, views: Sequence[BoardView]) 
                 corners[:, 0], corners[:, 1], off[:, 0], off[:, 1], angles="xy", scale_units="xy",
                 scale=1.0 / _ARROW, width=0.0018, color=colour, rasterized=len(views) > 40,
             )  # fmt: skip
-        axes.set(xlim=(0, camera.width), ylim=(camera.height, 0), xlabel="u [px]", ylabel="v [px]", aspect="equal")
+        axes.set(
+            xlim=(0, camera.width), ylim=(camera.height, 0), xlabel="u [px]", ylabel="v [px]", aspect="equal"
+        )
         axes.set_title(f"residuals, {_ARROW:.0f} times enlarged", fontweight="normal")
         return svg(fig, "Reprojection residuals")
 
@@ -61,7 +69,9 @@ def reach(calibration: CameraCalibration, views: Sequence[BoardView]) -> str:
             corners = view.corners_image
             colour = BOARD_COLOURS[view.board % len(BOARD_COLOURS)]
             axes.scatter(corners[:, 0], corners[:, 1], s=1.5, color=colour, linewidths=0, rasterized=True)
-        axes.set(xlim=(0, camera.width), ylim=(camera.height, 0), xlabel="u [px]", ylabel="v [px]", aspect="equal")
+        axes.set(
+            xlim=(0, camera.width), ylim=(camera.height, 0), xlabel="u [px]", ylabel="v [px]", aspect="equal"
+        )
         return svg(fig, "Where the boards were in the image")
 
 
@@ -94,8 +104,18 @@ def lens_curve(calibration: CameraCalibration) -> str:
         axes = fig.add_subplot()
         degrees = np.degrees(np.arctan(radius[inside]))
         axes.plot(degrees, image_radius[inside], color="#2b7bba", label="this lens")
-        axes.plot(degrees, camera.matrix[0, 0] * radius[inside], color="#9aa0a6", label="without distortion", ls="--")
-        axes.set(xlabel="angle from the optical axis [deg]", ylabel="distance in the image [px]", ylim=(0, 1.1 * corner))
+        axes.plot(
+            degrees,
+            camera.matrix[0, 0] * radius[inside],
+            color="#9aa0a6",
+            label="without distortion",
+            ls="--",
+        )
+        axes.set(
+            xlabel="angle from the optical axis [deg]",
+            ylabel="distance in the image [px]",
+            ylim=(0, 1.1 * corner),
+        )
         axes.legend(fontsize=8)
         return svg(fig, "Lens curve")
 

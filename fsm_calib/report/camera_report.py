@@ -67,7 +67,9 @@ def verdict(calibration: CameraCalibration) -> str:
     """Return what the calibration is good for, in one or two sentences."""
     error = calibration.predicted_map
     if error.rms <= _GOOD_PX:
-        return f"As good as a careful person's 30 views or better; least certain at the {weakest_region(error)}."
+        return (
+            f"As good as a careful person's 30 views or better; least certain at the {weakest_region(error)}."
+        )
     return advice(error)
 
 

@@ -46,6 +46,8 @@ class Run:
         Who watches.
     gallery : Gallery
         Where frames for the report go.
+    heading : mapping
+        What every checkpoint begins with: which scenario it belongs to.
     sequence : int
         Number of the next event.
     """
@@ -59,6 +61,7 @@ class Run:
     parts: Parts
     observer: Observer
     gallery: Gallery
+    heading: Mapping[str, Any]
     sequence: int = 0
 
 
@@ -89,6 +92,16 @@ def step(run: Run) -> None:
     run.observer.event(run.machine.state, phase, outcome, run.robot.now())
 
 
+def step_abort(run: Run, outcome: Outcome) -> None:
+    """End the run at the operator's wish: a journal line, but no checkpoint, so that it can still go on."""
+    if run.machine.is_terminal:
+        return
+    run.robot.stop()
+    fired = run.machine.fire(outcome)
+    run.journal.append(event_record(run, "", outcome, fired))
+    run.observer.event(run.machine.state, "", outcome, run.robot.now())
+
+
 def keep_frames(run: Run, path: str, outcome: Outcome) -> None:
     """Move the frames that the activity kept from memory to the disk."""
     for kept in run.bench.frames:
@@ -101,7 +114,10 @@ def record(run: Run, activity: str, outcome: Outcome, fired: Fired) -> None:
     run.journal.append(event_record(run, activity, outcome, fired))
     run.sequence += 1
     state = {
+        **run.heading,
         "sequence": run.sequence,
+        "time": run.robot.now(),
+        "frames": run.robot.frames,
         "state": run.machine.state,
         "books": run.machine.books.to_dict(),
         "bench": run.bench.to_state(),
@@ -126,6 +142,7 @@ def event_record(run: Run, activity: str, outcome: Outcome, fired: Fired) -> dic
         "evidence": dict(outcome.evidence),
         "sentence": outcome.sentence,
         "cure": outcome.cure,
-        "operations": [list(operation) for operation in run.robot.drain()],
+        "commands": [list(command) for command in run.robot.drain()],
+        "frames": run.robot.frames,
         "pose": run.pose(),
     }

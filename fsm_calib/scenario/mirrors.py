@@ -14,7 +14,7 @@ from fsm_calib.machines.limits import PUBLISHED as PUBLISHED_LIMITS
 from fsm_calib.machines.limits import Limits
 from fsm_calib.machines.supervisor import PHASES
 from fsm_calib.scenario.section import Section, mirror, mirror_of
-from fsm_calib.types import BoardSpec, CameraMount
+from fsm_calib.types import BoardSpec, CameraMount, Pose2
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.faults import (
     BlurredCamera,
@@ -25,6 +25,7 @@ from fsm_calib.world2d.faults import (
     MissingMarkers,
     Obstacle,
 )
+from fsm_calib.world2d.robot import Wear, WorldSettings
 from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, Wall
 from fsm_calib.world2d.sensor import SensorSettings
 
@@ -81,6 +82,9 @@ if TYPE_CHECKING:  # what a mirror holds is known when it is made, not before
     SensorSection: TypeAlias = Any
     MountSection: TypeAlias = Any
     EffectsSection: TypeAlias = Any
+    PoseSection: TypeAlias = Any
+    WearSection: TypeAlias = Any
+    WorldSection: TypeAlias = Any
 else:
     Phase = Literal[PHASES]
     Published = Literal[(*PUBLISHED_ACTIONS, *PUBLISHED_LIMITS)]
@@ -94,5 +98,8 @@ else:
     SensorSection = mirror(SensorSettings, skip=("defocus",))
     MountSection = mirror_of(CameraMount)
     EffectsSection = effects_section()
+    PoseSection = mirror_of(Pose2)
+    WearSection = mirror_of(Wear)
+    WorldSection = mirror_of(WorldSettings)
     _faults = [mirror(target, kind=kind) for kind, target in FAULT_KINDS.items()]
     FaultSection = Annotated[reduce(or_, _faults), Field(discriminator="kind")]

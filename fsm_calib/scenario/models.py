@@ -18,10 +18,13 @@ from fsm_calib.scenario.mirrors import (
     MountSection,
     Phase,
     PlacedBoard,
+    PoseSection,
     Published,
     RoadSection,
     SensorSection,
     WallSection,
+    WearSection,
+    WorldSection,
 )
 from fsm_calib.scenario.section import Section
 from fsm_calib.types import CameraModel
@@ -76,6 +79,7 @@ class RobotSection(Section):
     mount: MountSection | None = Field(
         default=None, description="Where the camera truly sits, in place of the drawn mount."
     )
+    start: PoseSection = PoseSection()
     effects: EffectsSection = Field(
         default=EffectsSection(), description="Physics beyond the nominal robot, switched on by name."
     )
@@ -133,6 +137,8 @@ class Scenario(Section):
     robot: RobotSection = RobotSection()
     scene: SceneSection = SceneSection()
     sensor: SensorSection = SensorSection()
+    world: WorldSection = WorldSection()
+    wear: WearSection = WearSection()
     faults: tuple[FaultSection, ...] = Field(
         default=(), max_length=20, description="What goes wrong, and when."
     )

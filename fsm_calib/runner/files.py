@@ -1,0 +1,106 @@
+"""Writes what a run leaves behind: result.json, Duckietown's calibration files, the recording, the report."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from fsm_calib.calibration_files import write_kinematics
+from fsm_calib.journal import JOURNAL_NAME, read_journal, write_atomically
+from fsm_calib.perception.camera_files import write_extrinsics, write_intrinsics
+from fsm_calib.perception.extrinsics import floor_homography, rectified_matrix
+from fsm_calib.report.run_record import RunRecord
+from fsm_calib.runner.result import calibration_of, test_drives
+from fsm_calib.runner.session import Session
+
+RESULT_NAME = "result.json"
+REPORT_NAME = "report.html"
+
+
+def write_result(directory: Path, result: Mapping[str, Any]) -> Path:
+    """Write result.json and return its path."""
+    path = directory / RESULT_NAME
+    write_atomically(path, (json.dumps(result, indent=2, ensure_ascii=False) + "\n").encode())
+    return path
+
+
+def write_calibrations(directory: Path, session: Session) -> list[Path]:
+    """Write Duckietown's files for what was found, below ``calibrations/``, and return their paths."""
+    notebook, name = session.run.bench.notebook, session.scenario.robot.name
+    folder, now = directory / "calibrations", datetime.now(UTC)
+    remarks = provenance(session)
+    written = []
+    if notebook.runs or notebook.lane_runs:
+        written.append(write_kinematics(folder, name, calibration_of(notebook), now, remarks))
+    if notebook.camera is not None and notebook.figures is not None:
+        path = folder / "camera_intrinsic" / f"{name}.yaml"
+        written.append(write_intrinsics(path, notebook.camera, name, remarks))
+        homography = floor_homography(notebook.mount, rectified_matrix(notebook.camera))
+        path = folder / "camera_extrinsic" / f"{name}.yaml"
+        written.append(write_extrinsics(path, homography, now.strftime("%Y-%m-%d")))
+    return written
+
+
+def provenance(session: Session) -> str:
+    """Return where a calibration comes from, for the head of its file."""
+    scenario, notebook = session.scenario, session.run.bench.notebook
+    lines = [f"fsm-calib {version('fsm-calib')}, scenario {scenario.name}, seed {scenario.seed}"]
+    if notebook.figures is not None:
+        lines.append(f"camera: rms {notebook.figures.rms_px:.3f} px, {notebook.figures.views_used} views")
+    if notebook.runs:
+        lines.append(f"wheels: wheel ratio {notebook.wheel_ratio:.5f} from {len(notebook.runs)} drives")
+    return "\n".join(lines)
+
+
+def record_of(directory: Path, session: Session, result: Mapping[str, Any]) -> RunRecord:
+    """Return everything the report is made of."""
+    return RunRecord(
+        directory=directory,
+        scenario=session.scenario,
+        scene=session.world.spec.scene,
+        board=session.settings.board,
+        result=result,
+        events=list(read_journal(directory / JOURNAL_NAME)),
+        notebook=session.run.bench.notebook,
+        pictures=session.run.gallery.pictures,
+        settings=settings_of(session),
+        track=session.world.truth.trace,
+        paths=test_drives(session),
+    )
+
+
+def settings_of(session: Session) -> dict[str, Any]:
+    """Return every setting of the run, by group."""
+    spec = session.world.spec
+    return {
+        "scenario": session.scenario.model_dump(include={"name", "seed", "plan", "published", "output"}),
+        "robot": {
+            "name": spec.robot.name,
+            "wheel_ratio": spec.robot.wheel_ratio,
+            "speed": spec.robot.speed,
+            "axle_length": spec.robot.axle_length,
+            "defocus": spec.robot.defocus,
+            "mount": spec.robot.mount,
+            "effects": dict(spec.robot.effects),
+        },
+        "scene": spec.scene,
+        "world": spec.settings,
+        "sensor": spec.optics,
+        "wear": spec.wear,
+        "faults": {str(number): fault for number, fault in enumerate(spec.faults)},
+        "limits": session.limits,
+        "actions": session.settings,
+    }
+
+
+def write_report(directory: Path, session: Session, result: Mapping[str, Any]) -> Path:
+    """Write report.html and return its path."""
+    from fsm_calib.report.run_report import run_report
+
+    path = directory / REPORT_NAME
+    write_atomically(path, run_report(record_of(directory, session, result)).encode())
+    return path

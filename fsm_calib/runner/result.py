@@ -1,0 +1,165 @@
+"""What a run found, scored against the world: the content of result.json.
+
+`true_*` and the deviations come from the world, for scoring only; nothing here goes back to the robot.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fsm_calib.actions.notebook import Notebook
+from fsm_calib.errors import DataError
+from fsm_calib.journal import plain
+from fsm_calib.perception.prediction import projection_difference
+from fsm_calib.runner.session import Session
+from fsm_calib.types import FloatArray, WheelCalibration
+from fsm_calib.world2d.deviation import TEST_COMMAND, TEST_DISTANCE, straight_deviation
+from fsm_calib.world2d.rollout import WORLD_STEP, Drive, simulate
+
+SLOW = 0.05
+"""Speed that a test drive is expected to reach at least [m/s]; it bounds the drive that is drawn."""
+
+
+def result_of(session: Session, wall: float, by_part: dict[str, float]) -> dict[str, Any]:
+    """Return the content of result.json as plain JSON values.
+
+    Parameters
+    ----------
+    session : Session
+        The finished run.
+    wall : float
+        Wall time of the run [s].
+    by_part : dict
+        Wall time of each part [s].
+    """
+    run, truth = session.run, session.world.truth
+    failure = run.machine.failure
+    result = {
+        "outcome": outcome_of(run.machine.state),
+        "state": run.machine.state,
+        "failure": _failure(failure) if failure else None,
+        "scenario": session.scenario.name,
+        "robot": session.scenario.robot.name,
+        "seed": session.scenario.seed,
+        "camera": camera_result(session),
+        "wheels": wheels_result(session),
+        "exit": exit_result(session),
+        "in_lane": lane_result(session),
+        "distance_m": truth.odometer,
+        "events": run.sequence,
+        "frames": run.robot.frames,
+        "seconds": {"simulated": run.robot.now(), "wall": wall, "by_part": by_part},
+    }
+    return plain(result)
+
+
+def outcome_of(state: str) -> str:
+    """Return `done`, `aborted`, `failed` or `unfinished`."""
+    return state.split("/")[0] if state.split("/")[0] in ("done", "aborted", "failed") else "unfinished"
+
+
+def _failure(failure: Any) -> dict[str, str]:
+    """Return a failure as plain values."""
+    return {"name": failure.name, "reason": failure.reason, "cure": failure.cure, "state": failure.state}
+
+
+def camera_result(session: Session) -> dict[str, Any] | None:
+    """Return the camera that the scan found; None when it did not get that far."""
+    notebook = session.run.bench.notebook
+    camera, figures = notebook.camera, notebook.figures
+    if camera is None or figures is None:
+        return None
+    boards = range(len(session.world.spec.scene.boards))
+    return {
+        "model": camera.model,
+        "matrix": camera.matrix.tolist(),
+        "distortion": camera.distortion.tolist(),
+        "rms_px": figures.rms_px,
+        "mean_px": figures.mean_px,
+        "paper_px": figures.paper_px,
+        "predicted_px": figures.predicted_px,
+        "cross_validated_px": figures.cross_validated_px,
+        "true_px": projection_difference(camera, session.world.truth.camera).rms,
+        "views_used": figures.views_used,
+        "views_per_board": [figures.views_per_board.get(str(board), 0) for board in boards],
+    }
+
+
+def wheels_result(session: Session) -> dict[str, Any] | None:
+    """Return what the wheel iteration found; None when it did not run."""
+    notebook = session.run.bench.notebook
+    if not notebook.runs:
+        return None
+    ratio = ratio_before_lane(notebook)
+    return {
+        "wheel_ratio": ratio,
+        "true_wheel_ratio": session.world.truth.wheel_ratio,
+        "iterations": len(notebook.runs),
+        "deviation_2m_m": deviation(session, ratio),
+    }
+
+
+def ratio_before_lane(notebook: Notebook) -> float:
+    """Return k as it was when the lane phase began, or as it is when there was none."""
+    return notebook.wheel_ratio if notebook.lane_before is None else notebook.lane_before
+
+
+def lane_result(session: Session) -> dict[str, Any] | None:
+    """Return what the refinement in the lane changed; None when it did not begin."""
+    notebook = session.run.bench.notebook
+    if notebook.lane_before is None:
+        return None
+    return {
+        "wheel_ratio_before": notebook.lane_before,
+        "wheel_ratio_after": notebook.wheel_ratio,
+        "applied": notebook.wheel_ratio != notebook.lane_before,
+        "true_wheel_ratio": session.world.truth.wheel_ratio,
+        "markers": len(notebook.lane_runs),
+        "deviation_before_m": deviation(session, notebook.lane_before),
+        "deviation_after_m": deviation(session, notebook.wheel_ratio),
+    }
+
+
+def exit_result(session: Session) -> dict[str, Any] | None:
+    """Return whether the robot left the field; None when the phase was not planned."""
+    if "exit" not in session.scenario.plan:
+        return None
+    machine = session.run.machine
+    left = machine.state == "done" or (machine.books.phase == "lane" and "lane" in session.scenario.plan)
+    return {"handed_over": left}
+
+
+def deviation(session: Session, ratio: float) -> float | None:
+    """Return the deviation after 2 m [m], right positive, as the robot is now; None without a drive."""
+    try:
+        return straight_deviation(session.world.truth.parameters, ratio)
+    except DataError:
+        return None
+
+
+def test_drives(session: Session) -> dict[str, FloatArray]:
+    """Return the paths of 2 m test drives, shape (n, 2) [m]: uncalibrated, calibrated, and after the lane."""
+    notebook = session.run.bench.notebook
+    drives = {"before": notebook.ratio_history[0]}
+    if notebook.runs:
+        drives["after"] = ratio_before_lane(notebook)
+    if notebook.lane_before is not None:
+        drives["after lane"] = notebook.wheel_ratio
+    parameters = session.world.truth.parameters
+    return {name: test_path(parameters, ratio) for name, ratio in drives.items()}
+
+
+def test_path(parameters: FloatArray, ratio: float) -> FloatArray:
+    """Return the path of a 2 m drive with wheel ratio `ratio`, shape (n, 2) [m]."""
+    drive = Drive(np.array([0.0]), np.array([TEST_COMMAND]), np.array([ratio * TEST_COMMAND]))
+    times = np.arange(0.0, TEST_DISTANCE / SLOW, 0.02)
+    track = simulate(parameters, drive, times, (0.0, 0.0, 0.0), dt=WORLD_STEP)[:, :2]
+    driven = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(track, axis=0), axis=1))])
+    return track[driven <= TEST_DISTANCE]
+
+
+def calibration_of(notebook: Notebook) -> WheelCalibration:
+    """Return the wheel calibration for Duckietown's file: gain 1, trim from the final k."""
+    return WheelCalibration(wheel_ratio=notebook.wheel_ratio)

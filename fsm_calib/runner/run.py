@@ -1,0 +1,133 @@
+"""Runs a scenario from its beginning, or from where it was killed, to its files."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME
+from fsm_calib.outcome import Outcome
+from fsm_calib.perception.opencv_time import watched
+from fsm_calib.runner import files
+from fsm_calib.runner.loop import run_to_end, step_abort
+from fsm_calib.runner.parts import Parts
+from fsm_calib.runner.progress import Observer, Silent
+from fsm_calib.runner.result import result_of
+from fsm_calib.runner.session import Session, new_session, resumed_session
+from fsm_calib.scenario.models import Scenario
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""Signals by which an operator or the system stops a run."""
+RUN_FILES = (JOURNAL_NAME, CHECKPOINT_NAME, files.RESULT_NAME, files.REPORT_NAME)
+RUN_FOLDERS = ("frames", "calibrations", "recording")
+
+
+class Stopped(Exception):
+    """The operator or the system asked the program to stop."""
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """A run that has ended: its directory, its session and the content of result.json."""
+
+    directory: Path
+    session: Session
+    result: dict[str, Any]
+
+
+def run_scenario(
+    scenario: Scenario, directory: Path, *, resume: bool = False, observer: Observer | None = None
+) -> Finished:
+    """Run a scenario and write its files.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What to do.
+    directory : Path
+        Where the files go; made when it is missing. Files of an earlier run are replaced unless `resume`.
+    resume : bool
+        Go on after the last whole event of the run in `directory`.
+    observer : Observer or None
+        Who watches.
+
+    Raises
+    ------
+    InputError
+        The scenario cannot be built.
+    DataError
+        The run to go on from belongs to another scenario, or its journal is damaged.
+    """
+    parts = Parts("start")
+    began = time.perf_counter()
+    start = resumed_session if resume else new_session
+    if not resume:
+        clear(directory)
+    with watched(lambda: parts.enter("opencv"), parts.leave):
+        session = start(scenario, directory, parts, observer or Silent())
+        with stop_on_signals():
+            drive(session)
+        with parts.part("report"):
+            result = result_of(session, 0.0, {})
+            files.write_calibrations(directory, session)
+            _write_report(directory, session, result | _seconds(session, parts, began))
+    result |= _seconds(session, parts, began)
+    files.write_result(directory, result)
+    return Finished(directory, session, result)
+
+
+def drive(session: Session) -> None:
+    """Run the machine to its end; a request to stop takes it to `aborted`. Wheels end at zero."""
+    try:
+        run_to_end(session.run)
+    except Stopped as stopped:
+        step_abort(session.run, Outcome("abort", {}, str(stopped)))
+    finally:
+        session.run.journal.close()
+
+
+def _seconds(session: Session, parts: Parts, began: float) -> dict[str, Any]:
+    """Return the `seconds` of result.json."""
+    by_part = {name: round(value, 4) for name, value in parts.seconds().items()}
+    wall = round(time.perf_counter() - began, 4)
+    return {"seconds": {"simulated": session.run.robot.now(), "wall": wall, "by_part": by_part}}
+
+
+def _write_report(directory: Path, session: Session, result: dict[str, Any]) -> None:
+    """Write the report when the scenario wants one."""
+    if session.scenario.output.report:
+        files.write_report(directory, session, result)
+
+
+def clear(directory: Path) -> None:
+    """Make the directory and remove what an earlier run left in it; other files stay."""
+    directory.mkdir(parents=True, exist_ok=True)
+    for name in RUN_FILES:
+        (directory / name).unlink(missing_ok=True)
+    for name in RUN_FOLDERS:
+        shutil.rmtree(directory / name, ignore_errors=True)
+
+
+@contextmanager
+def stop_on_signals() -> Iterator[None]:
+    """Turn stop signals into `Stopped` inside the `with` block (in the main thread)."""
+
+    def raise_stopped(number: int, frame: object) -> None:
+        raise Stopped(f"Stopped by {signal.Signals(number).name}.")
+
+    try:
+        before = {number: signal.signal(number, raise_stopped) for number in STOP_SIGNALS}
+    except ValueError:  # not the main thread: whoever owns it handles its signals
+        yield
+        return
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
