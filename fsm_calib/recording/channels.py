@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -43,7 +43,7 @@ class Channel:
         """Return the number of rows."""
         return len(self.time)
 
-    def rows(self, index: Any) -> Channel:
+    def rows(self, index: Any) -> Self:
         """Return the channel with the rows that `index` (slice, mask or row numbers) selects."""
         changes = {}
         for field in dataclasses.fields(self):

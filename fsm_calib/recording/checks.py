@@ -1,6 +1,7 @@
 """The checks that a person would make on a recording: what is impossible is refused, what is odd is told.
 
-Rows whose time goes backwards are dropped; of two commands at one instant the later holds; everything else stays as it was recorded and is told as a `Finding`.
+Rows whose time goes backwards are dropped; of two commands at one instant the later holds; everything else
+stays as it was recorded and is told as a `Finding`.
 """
 
 from __future__ import annotations

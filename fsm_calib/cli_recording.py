@@ -1,0 +1,62 @@
+"""`fsm-calib identify`: fit the base robot alone to recordings."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def register(app: typer.Typer) -> None:
+    """Add `identify` to the command line."""
+    app.command("identify")(identify_command)
+
+
+def identify_command(
+    recordings: Annotated[
+        list[str], typer.Argument(metavar="RECORDING...", help="Manifests, bags or .mcap files.")
+    ],
+    json_file: Annotated[
+        Path | None,
+        typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
+    ] = None,
+) -> None:
+    """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
+    from fsm_calib.diagnosis.identify import identify
+    from fsm_calib.errors import InputError
+    from fsm_calib.recording import read_recording
+
+    if json_file is not None and str(json_file) != "-" and not json_file.parent.is_dir():
+        raise InputError("the folder of the JSON file does not exist", where=str(json_file))
+    loaded = [read_recording(path) for path in recordings]
+    for recording in loaded:
+        for finding in recording.checks:
+            typer.echo(f"{recording.source}: {finding}", err=True)
+    result = identify(loaded)
+    text = json.dumps(result.to_json(), indent=1, allow_nan=False)
+    if str(json_file) == "-":
+        typer.echo(text)
+        return
+    typer.echo("\n".join(_lines(result.to_json())))
+    if json_file is not None:
+        try:
+            json_file.write_text(text + "\n", encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"cannot write the file: {error.strerror}", where=str(json_file)) from error
+
+
+def _lines(plain: dict) -> list[str]:  # type: ignore[type-arg]
+    """Return the result as lines of text."""
+    lines = [f"{plain['robot']}: from {plain['method']}"]
+    rows = {name: value for name, value in plain.items() if isinstance(value, dict) and "value" in value}
+    rows |= {f"sensor.{name}": value for name, value in plain["sensor"].items()}
+    for name, estimate in rows.items():
+        if estimate["value"] is None:
+            lines.append(f"  {name:28s} not told: {estimate['reason']}")
+        else:
+            sd = "" if estimate["sd"] is None else f" +- {estimate['sd']:.2g}"
+            lines.append(f"  {name:28s} {estimate['value']:.6g}{sd} {estimate['unit']}")
+    lines += [f"  residual {name:19s} {value:.6g}" for name, value in plain["residual"].items()]
+    return lines + [f"  note: {note}" for note in plain["notes"]]
