@@ -21,7 +21,7 @@ import numpy as np
 
 from fsm_calib.errors import InputError
 from fsm_calib.types import CameraModel, CameraMount, FloatArray
-from fsm_calib.world2d.lens import ray_table
+from fsm_calib.world2d.lens import sees_everywhere
 from fsm_calib.world2d.parameters import parameter_table
 
 
@@ -131,11 +131,8 @@ def draw_camera(rng: np.random.Generator) -> CameraModel:
         k2 = K2_AT_MEAN + K2_ON_K1 * (k1 - FLEET["k1"].mean) + K2_RESIDUAL * float(rng.standard_normal())
         distortion = np.array([k1, k2, FLEET["p1"].draw(rng), FLEET["p2"].draw(rng), 0.0])
         camera = CameraModel(np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]), distortion)
-        try:
-            if not ray_table(camera).has_blind:
-                return camera
-        except InputError:
-            continue
+        if sees_everywhere(camera):
+            return camera
 
 
 def draw_mount(rng: np.random.Generator) -> CameraMount:

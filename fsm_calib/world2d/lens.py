@@ -83,6 +83,13 @@ def _radial_table(camera: CameraModel) -> tuple[FloatArray, FloatArray]:
     return radius[:end], curve[:end]
 
 
+def sees_everywhere(camera: CameraModel) -> bool:
+    """Tell whether every pixel of the image has a ray: the lens does not fold before the farthest corner."""
+    fx, fy, cx, cy = camera.matrix[0, 0], camera.matrix[1, 1], camera.matrix[0, 2], camera.matrix[1, 2]
+    corners = [math.hypot((u - cx) / fx, (v - cy) / fy) for u in (0, camera.width - 1) for v in (0, camera.height - 1)]
+    return max(corners) <= float(_radial_table(camera)[1][-1])
+
+
 def _newton(camera: CameraModel, target: FloatArray, start: FloatArray) -> FloatArray:
     """Refine rays (2, n) so that their distorted coordinates are `target` (2, n); derivative by central differences."""
     ray, step = start.copy(), 1e-6

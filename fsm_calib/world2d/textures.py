@@ -64,15 +64,19 @@ class Texture:
 
 
 def halvings(image: Image, count: int = 6) -> tuple[Image, ...]:
-    """Return `image` and its halvings by averaging 2 x 2 pixels; sides that do not divide are repeated at the edge."""
+    """Return `image` and its halvings by averaging 2 x 2 pixels.
+
+    Sides that do not divide are repeated at the edge, so that a halving may be longer by a part of its last pixel.
+    """
     while min(image.shape[:2]) < 2**count and count > 0:
         count -= 1
     bottom, right = -image.shape[0] % 2**count, -image.shape[1] % 2**count
     level = cv2.copyMakeBorder(image, 0, bottom, 0, right, cv2.BORDER_REPLICATE) if bottom or right else image
     levels = [image]
-    for _ in range(count):
+    for number in range(1, count + 1):
         level = cv2.resize(level, (level.shape[1] // 2, level.shape[0] // 2), interpolation=cv2.INTER_AREA)
-        levels.append(level)
+        height, width = (-(-side // 2**number) for side in image.shape[:2])
+        levels.append(np.ascontiguousarray(level[:height, :width]))
     return tuple(levels)
 
 
