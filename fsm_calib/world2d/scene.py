@@ -117,7 +117,7 @@ class Road:
     """
 
     start: Pose2 = field(default_factory=lambda: Pose2(-1.9, -TILE, math.pi / 2.0))
-    length: float = 5.0 * TILE
+    length: float = 6.0 * TILE
     lane_width: float = 0.219
     white_width: float = 0.048
     yellow_width: float = 0.024
