@@ -34,7 +34,7 @@ def sweep(way: str, back: str, step: int, first: int) -> Iterable[Case]:
     """Figure 2 for one direction: boards change by `step`, the row's end in this direction is board
     `first`."""
     here = f"scan/{way}/"
-    ahead, sweeps = f"has_board_{way}", "has_sweeps_left"
+    ahead, passing, sweeps = f"has_board_{way}", f"can_pass_{way}", "has_sweeps_left"
     inner, outside, behind = first - step, first + step, f"scan/{back}/searching"
     fresh = {"steps": 0, "angle": 0.0, "misses": 0, "views": 0}
     stale = {"steps": 3, "angle": 1.5, "misses": 1, "views": 4}
@@ -44,11 +44,11 @@ def sweep(way: str, back: str, step: int, first: int) -> Iterable[Case]:
                    {"views": 5, "misses": 0})
         yield case(at, "board_seen", "!has_views_left", FAILED + "not_turning", {"views": 5})
         yield case(at, "board_missed", "has_misses_left", here + "doubting", {"misses": 0}, {}, {"misses": 1})
-        yield case(at, "board_missed", f"{ahead} & !has_misses_left", here + "searching",
+        yield case(at, "board_missed", f"{passing} & !has_misses_left", here + "searching",
                    {**stale, "board": inner}, {}, {**fresh, "board": first})
-        yield case(at, "board_missed", f"{sweeps} & !has_misses_left & !{ahead}", behind,
+        yield case(at, "board_missed", f"{sweeps} & !has_misses_left & !{passing}", behind,
                    {**stale, "board": first, "changes": 0}, {}, {**fresh, "changes": 1})
-        yield case(at, "board_missed", f"!has_misses_left & !{ahead} & !{sweeps}", "scan/solving",
+        yield case(at, "board_missed", f"!has_misses_left & !{passing} & !{sweeps}", "scan/solving",
                    {"misses": 1, "board": first, "changes": 1})
         yield case(at, "next_board_seen", ahead, here + "collecting", {**stale, "board": inner}, {},
                    {**fresh, "board": first, "views": 1})

@@ -33,6 +33,10 @@ TABLE = [
     ("has_board_clockwise", {"board": 0}, {}, False),
     ("has_board_counterclockwise", {"board": 1}, {}, True),
     ("has_board_counterclockwise", {"board": 2}, {}, False),
+    ("can_pass_clockwise", {"board": 1}, {}, True),
+    ("can_pass_clockwise", {"board": 0}, {}, False),
+    ("can_pass_counterclockwise", {"board": 1}, {}, True),
+    ("can_pass_counterclockwise", {"board": 2}, {}, False),
     ("is_at_last_board", {"board": 2}, {}, True),
     ("is_at_last_board", {"board": 1}, {}, False),
     ("is_past_end", {"board": -1}, {}, True),
@@ -110,8 +114,8 @@ def test_every_guard_is_tested_with_both_answers() -> None:
 
 @pytest.mark.parametrize(("way", "end"), [("clockwise", 0), ("counterclockwise", 2)])
 def test_as_published_the_row_has_no_end_until_it_was_passed(way: str, end: int) -> None:
-    assert not GUARDS[f"has_board_{way}"](Books(board=end), LIMITS, {})
-    assert GUARDS[f"has_board_{way}"](Books(board=end), LATE, {})
+    assert not GUARDS[f"can_pass_{way}"](Books(board=end), LIMITS, {})
+    assert GUARDS[f"can_pass_{way}"](Books(board=end), LATE, {})
 
 
 @pytest.mark.parametrize("name", sorted(ACTIONS))

@@ -59,7 +59,7 @@ def count_search(books: Books, limits: Limits, evidence: Evidence) -> None:
     books.angle += abs(evidence.get("turned", 0.0))
 
 
-def count_found(books: Books, limits: Limits, evidence: Evidence) -> None:
+def begin_collecting(books: Books, limits: Limits, evidence: Evidence) -> None:
     """The search found its board: its first view of this sweep."""
     begin_search(books, limits, evidence)
     count_view(books, limits, evidence)
@@ -103,7 +103,7 @@ def begin_sweep(books: Books, limits: Limits, evidence: Evidence) -> None:
     books.board = min(max(books.board, 0), limits.boards - 1)
 
 
-def begin_seeking(books: Books, limits: Limits, evidence: Evidence) -> None:
+def _begin_seeking(books: Books, limits: Limits, evidence: Evidence) -> None:
     """A search for markers or the lane begins."""
     books.steps, books.angle, books.misses = 0, 0.0, 0
 
@@ -116,7 +116,7 @@ def count_seeking(books: Books, limits: Limits, evidence: Evidence) -> None:
 def begin_squaring(books: Books, limits: Limits, evidence: Evidence) -> None:
     """An alignment begins: no turns, no overshoots, no search."""
     books.turns, books.overshoots = 0, 0
-    begin_seeking(books, limits, evidence)
+    _begin_seeking(books, limits, evidence)
 
 
 def count_turn(books: Books, limits: Limits, evidence: Evidence) -> None:
@@ -133,7 +133,7 @@ def count_overshoot(books: Books, limits: Limits, evidence: Evidence) -> None:
 def count_recovery(books: Books, limits: Limits, evidence: Evidence) -> None:
     """One more loss that is followed by a search."""
     books.recoveries += 1
-    begin_seeking(books, limits, evidence)
+    _begin_seeking(books, limits, evidence)
 
 
 def count_iteration(books: Books, limits: Limits, evidence: Evidence) -> None:

@@ -22,6 +22,8 @@ from fsm_calib.machines.guards import GUARDS, Evidence
 from fsm_calib.machines.limits import Limits
 from fsm_calib.machines.spec import SEPARATOR, Chart, State, Transition
 
+LOST_FRAME = "count_lost_frame"
+
 
 class SlashState(NestedState):  # type: ignore[misc]
     """A nested state whose path is written with `/`, so that names may hold `_`."""
@@ -91,7 +93,15 @@ class Model:
             self.trigger(trigger, evidence=evidence)
         except MachineError:
             return False
+        if self.taken:
+            self._count()
         return bool(self.taken)
+
+    def _count(self) -> None:
+        """Count the event; any event but a lost frame ends a row of lost frames."""
+        self.books.ticks += 1
+        if LOST_FRAME not in self.kept:
+            self.books.lost_frames = 0
 
 
 def _state(state: State) -> dict[str, Any]:

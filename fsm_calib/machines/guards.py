@@ -38,13 +38,23 @@ def has_views_left(books: Books, limits: Limits, evidence: Evidence) -> bool:
 
 
 def has_board_clockwise(books: Books, limits: Limits, evidence: Evidence) -> bool:
-    """Whether the row goes on clockwise; as published the end is not looked at here."""
-    return limits.late_bound_check or books.board > 0
+    """Whether the row has a board clockwise of the present one."""
+    return books.board > 0
 
 
 def has_board_counterclockwise(books: Books, limits: Limits, evidence: Evidence) -> bool:
-    """Whether the row goes on counter-clockwise; as published the end is not looked at here."""
-    return limits.late_bound_check or books.board < limits.boards - 1
+    """Whether the row has a board counter-clockwise of the present one."""
+    return books.board < limits.boards - 1
+
+
+def can_pass_clockwise(books: Books, limits: Limits, evidence: Evidence) -> bool:
+    """Whether a board that was lost clockwise may be followed by a search for the next one."""
+    return limits.late_bound_check or has_board_clockwise(books, limits, evidence)
+
+
+def can_pass_counterclockwise(books: Books, limits: Limits, evidence: Evidence) -> bool:
+    """Whether a board that was lost counter-clockwise may be followed by a search for the next one."""
+    return limits.late_bound_check or has_board_counterclockwise(books, limits, evidence)
 
 
 def is_at_last_board(books: Books, limits: Limits, evidence: Evidence) -> bool:

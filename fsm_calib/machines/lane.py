@@ -32,7 +32,7 @@ LANE = Chart(
                 otherwise("/failed/marker_missing")),
         *choose("lane_missed", "following",
                 when("has_misses_left", "following", "count_miss"),
-                when("has_recoveries_left", "seeking", "count_recovery", "begin_seeking"),
+                when("has_recoveries_left", "seeking", "count_recovery"),
                 otherwise("/failed/lane_missing")),
         *always("first_marker_seen", "following", "squaring", "begin_squaring"),
         *squaring_transitions("squaring/", done="straight"),

@@ -89,7 +89,7 @@ class CalibrationMachine:
         start = SUPERVISOR.states[0].name if state is None else state
         if start not in leaves():
             raise UnknownNameError("state", start, leaves())
-        self.failure: Failure | None = None
+        self.failure = _failure(start, start, "", "")
         self._machine = compile_chart(SUPERVISOR)
         self._model = Model(self.books, self.limits)
         self._machine.add_model(self._model, initial=start)
@@ -134,10 +134,7 @@ class CalibrationMachine:
             raise UndeclaredOutcomeError(source, outcome.trigger, self.triggers)
         if not model.dispatch(outcome.trigger, outcome.evidence):
             raise UndeclaredOutcomeError(source, outcome.trigger, self.triggers)
-        self.books.ticks += 1
-        if "count_lost_frame" not in model.kept:
-            self.books.lost_frames = 0
-        self.failure = _failure(self.state, source, outcome)
+        self.failure = _failure(self.state, source, outcome.sentence, outcome.cure)
         return Fired(
             outcome.trigger, source, self.state, dict(model.answers), tuple(model.kept), model.taken[0]
         )
@@ -150,11 +147,11 @@ def _in_order(plan: Iterable[str]) -> list[str]:
     return [phase for phase in PHASES if phase in wanted]
 
 
-def _failure(state: str, source: str, outcome: Outcome) -> Failure | None:
+def _failure(state: str, source: str, reason: str, cure: str) -> Failure | None:
     leaf = leaves()[state]
     if not leaf.reason:
         return None
-    return Failure(leaf.name, outcome.sentence or leaf.reason, outcome.cure or leaf.cure, source)
+    return Failure(leaf.name, reason or leaf.reason, cure or leaf.cure, source)
 
 
 @cache
