@@ -13,8 +13,9 @@ from fsm_calib.errors import DataError
 from fsm_calib.recording.recording import Recording
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.observation import observe, robot_time
 from fsm_calib.world2d.parameters import parameter_table
-from fsm_calib.world2d.rollout import Drive, active_flags, simulate_many
+from fsm_calib.world2d.rollout import Drive, simulate_many
 
 NOMINAL_WHEEL_RATE = 20.0  # rad/s at command 1: Duckietown DB18 on its nominal battery (27 is the unloaded motor)
 LEAD_TIME = 1.2  # s simulated before the first event, so that a delayed command and a moving start are known
@@ -52,43 +53,27 @@ class Simulator:
         p = self.prepared
         start = p.reference[0]
         states = simulate_many(values, self.drive, self.grid, start, self.track, p.settings.simulation_step)
-        flags = active_flags(values)
         out = np.empty((len(values), len(p.time), 5))
         for i, vector in enumerate(values):
-            seen_at = _sensor_time(vector, flags[i], p.time)
+            seen_at = np.ascontiguousarray(robot_time(vector, p.time))
             sample_increments(states[i], self.grid[0], GRID_STEP, seen_at, p.time, out[i])
-            _through_sensor(vector, flags[i], p.reference, out[i])
+            through_sensor(vector, p.reference, out[i])
         return out
 
 
-def _sensor_hooks(flags: np.ndarray, hook: str) -> list[tuple[str, object]]:
-    return [(name, e.hooks[hook]) for on, (name, e) in zip(flags, registry().items(), strict=True) if on and hook in e.hooks]
-
-
-def _own(vector: FloatArray, name: str) -> FloatArray:
-    table = parameter_table()
-    return vector[list(table.of_effect(name))]
-
-
-def _sensor_time(vector: FloatArray, flags: np.ndarray, time: FloatArray) -> FloatArray:
-    """Return the robot's time [s] that the pose sensor saw at its stamps."""
-    for name, clock in _sensor_hooks(flags, "clock"):
-        time = np.asarray(clock(_own(vector, name), time))  # type: ignore[operator]
-    return np.ascontiguousarray(time)
-
-
-def _through_sensor(vector: FloatArray, flags: np.ndarray, reference: FloatArray, out: FloatArray) -> None:
+def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray) -> None:
     """Turn the robot's increments into the sensor's: s' = c(k-1)^-1 s c(k), c = sensor pose seen from the robot.
 
     Place is taken from the reference path, so that open-loop drift does not matter.
     """
-    hooks = _sensor_hooks(flags, "observe")
-    if not hooks:
-        return
-    seen = reference
-    for name, observe in hooks:
-        seen = np.asarray(observe(_own(vector, name), seen))  # type: ignore[operator]
-    mount_and_compose(reference, seen, out)
+    if _bends_poses(vector):
+        mount_and_compose(reference, observe(vector, reference, reference[:, :2]), out)
+
+
+def _bends_poses(vector: FloatArray) -> bool:
+    """Return whether any active effect sits between the robot's pose and the sensor's."""
+    effects = registry()
+    return any("observe" in effects[name].hooks for name in parameter_table().active_effects(vector))
 
 
 @njit(cache=True)

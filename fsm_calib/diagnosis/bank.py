@@ -1,0 +1,171 @@
+"""The bank: every hypothesis of the catalogue fitted on the same recordings, ranked by evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from fsm_calib.diagnosis.adequacy import residual_of
+from fsm_calib.diagnosis.base import SPEED_NOISE
+from fsm_calib.diagnosis.features import situation
+from fsm_calib.diagnosis.fit import ALL_RUNS, Engine, Fit
+from fsm_calib.diagnosis.hypotheses import Hypothesis, Prober, Start, declared_starts, hypotheses_of, slots_of
+from fsm_calib.diagnosis.scan import Candidate, Scanner
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect, registry
+
+FIRST_STEPS, LAST_STEPS = 6, 4  # Gauss-Newton steps before and after the noise is fitted again
+HOPELESS = 1.0  # log-likelihood units: below, the noise is not fitted again
+NESTING_SLACK = 1e-6
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Ranked:
+    """One fitted hypothesis: evidence = 2 (log L - log L of its parent) - k ln N (Schwarz, Ann. Stat. 6 (1978) 461)."""
+
+    hypothesis: Hypothesis
+    fit: Fit
+    evidence: float
+    gain: float
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.hypothesis.effect
+
+
+def evidence_of(fit: Fit, parent: Fit, count: int) -> float:
+    """Return twice the gained log-likelihood minus the cost of the additional numbers."""
+    extra = len(fit.slots) - len(parent.slots)
+    return 2.0 * (fit.score - parent.score) - extra * float(np.log(count))
+
+
+@dataclass(frozen=True, eq=False)
+class Bank:
+    """Fits hypotheses on top of a parent fit (the base robot, or a model that already has an effect)."""
+
+    engine: Engine
+    parent: Fit
+    prober: Prober
+    scanner: Scanner
+
+    @classmethod
+    def on(cls, engine: Engine, parent: Fit) -> Bank:
+        """Prepare probing and scanning."""
+        residual = residual_of(engine, parent)
+        situations = [situation(s, v) for s, v in zip(engine.simulators, parent.values, strict=True)]
+        return cls(
+            engine,
+            parent,
+            Prober(engine.simulators, parent, residual),
+            Scanner(engine.simulators, situations, parent, residual),
+        )
+
+    def rank(self, effects: Iterable[Effect], progress: Progress = lambda name: None) -> list[Ranked]:
+        """Fit all effects in all their forms; return the best form of each, largest evidence first."""
+        best: dict[str, Ranked] = {}
+        self.seconds.clear()
+        for effect in effects:
+            progress(effect.name)
+            began = perf_counter()
+            for hypothesis, starts in self._plans(effect):
+                for start in starts:
+                    ranked = self.fit(hypothesis, start)
+                    if effect.name not in best or ranked.evidence > best[effect.name].evidence:
+                        best[effect.name] = ranked
+            self.seconds[effect.name] = perf_counter() - began
+        return sorted(best.values(), key=lambda r: -r.evidence)
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Seconds spent on each effect in the last `rank`."""
+        return self.__dict__.setdefault("_seconds", {})
+
+    def _plans(self, effect: Effect) -> list[tuple[Hypothesis, list[Start]]]:
+        """Return the forms of an effect with their starts."""
+        runs = len(self.engine.simulators)
+        scans = {
+            "rough_floor_patch": self.scanner.drag_areas,
+            "low_friction_patch": self.scanner.slippery_areas,
+            "misplaced_marker": self.scanner.markers,
+            "motor_fault": self.scanner.spans,
+            "external_push": self.scanner.pushes,
+        }
+        if effect.scan and effect.name in scans:
+            return self._scanned(effect, scans[effect.name]())
+        plans = []
+        for hypothesis in hypotheses_of(effect, runs):
+            starts = self.prober.best_starts(hypothesis, declared_starts(hypothesis), 1)
+            if not any(effect.parameter(n).starts for n in hypothesis.names):
+                starts = [Start(self.parent.values, 0.0)]  # linear at its null value
+            plans.append((hypothesis, starts))
+        return plans
+
+    def _scanned(self, effect: Effect, candidates: Sequence[Candidate]) -> list[tuple[Hypothesis, list[Start]]]:
+        """Turn candidates of a scan into starts, with strengths tried by simulation."""
+        plans = []
+        for candidate in candidates:
+            for names in effect.variants or (tuple(p.name for p in effect.parameters if p.fitted),):
+                given = {n.split(".")[1] for n in candidate.changes}
+                strengths = {p.name for p in effect.parameters if p.strength}
+                if (given & strengths) - set(names):
+                    continue
+                if given & strengths and len(set(names) & strengths) > len(given & strengths):
+                    continue  # the larger form is tried only where the scan asked for it
+                hypothesis = Hypothesis(effect.name, names, candidate.run)
+                choices = [{**choice, **candidate.changes} for choice in declared_starts(hypothesis)]
+                unique = [dict(t) for t in {tuple(sorted(c.items())) for c in choices}]
+                plans.append((hypothesis, self.prober.best_starts(hypothesis, unique, 1)))
+        return plans
+
+    def fit(self, hypothesis: Hypothesis, start: Start) -> Ranked:
+        """Fit one hypothesis from one start; the result is never worse than the parent."""
+        slots = self.parent.slots + slots_of(hypothesis, len(self.engine.simulators))
+        known = self.parent.columns
+        fit = self.engine.fit(start.values, slots, self.parent.noise, known=known, steps=FIRST_STEPS)
+        if fit.score > self.parent.score + HOPELESS:
+            fit = self.engine.refit_noise(fit, SPEED_NOISE, 2)
+            fit = self.engine.fit(fit.values, slots, fit.noise, known=known, steps=LAST_STEPS)
+        if fit.score < self.parent.score - NESTING_SLACK:
+            fit = self._at_parent(fit)
+        gain = fit.score - self.parent.score
+        return Ranked(hypothesis, fit, evidence_of(fit, self.parent, self.engine.count), gain)
+
+    def _at_parent(self, fit: Fit) -> Fit:
+        """Return the parent's point as a point of the larger model: the effect found nothing to explain."""
+        parent = self.parent
+        extra = len(fit.slots) - len(parent.slots)
+        columns = tuple(np.concatenate([c, np.zeros((*c.shape[:2], extra))], axis=2) for c in parent.columns)
+        covariance = np.zeros((len(fit.slots), len(fit.slots)))
+        covariance[: len(parent.slots), : len(parent.slots)] = parent.covariance
+        return Fit(
+            parent.values, fit.slots, parent.noise, parent.log_likelihood, parent.log_prior, covariance,
+            parent.simulated, columns,
+        )  # fmt: skip
+
+
+def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[int]) -> Ranked:
+    """Fit once more with every Jacobian column fresh and all noise levels free: for the few that matter."""
+    fit = engine.fit(ranked.fit.values, ranked.fit.slots, ranked.fit.noise, steps=6)
+    fit = engine.refit_noise(fit, noise_names, 4)
+    fit = engine.fit(fit.values, fit.slots, fit.noise, steps=6, refresh=True)
+    if fit.score < ranked.fit.score:
+        fit = engine.fit(ranked.fit.values, ranked.fit.slots, ranked.fit.noise, steps=0)
+    return Ranked(ranked.hypothesis, fit, evidence_of(fit, parent, engine.count), fit.score - parent.score)
+
+
+def parameters_of(ranked: Ranked) -> dict[str, FloatArray]:
+    """Return the fitted numbers of the effect by parameter name, one a recording, shape (R,)."""
+    from fsm_calib.world2d.parameters import parameter_table
+
+    table = parameter_table()
+    effect = registry()[ranked.name]
+    return {p.name: ranked.fit.values[:, table.place(f"{ranked.name}.{p.name}")] for p in effect.parameters}
+
+
+__all__ = ["ALL_RUNS", "Bank", "Ranked", "evidence_of", "parameters_of", "polished"]

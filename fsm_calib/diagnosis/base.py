@@ -1,0 +1,66 @@
+"""The base robot: what every hypothesis re-fits, because a re-fit is exactly what conceals an effect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fsm_calib.diagnosis.fit import Engine, Fit, Slot
+from fsm_calib.diagnosis.noise import Noise
+from fsm_calib.diagnosis.simulator import Simulator, nominal_values
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.parameters import NUISANCE, parameter_table
+
+SLIP_SPREAD = 0.006  # m/s: tyres of small robots differ by half of the default slip speed (benchmarks/rollout.py)
+ROUNDS = 4  # fit and noise in turn; two suffice on clean data
+ENOUGH = 0.5  # log-likelihood units between rounds
+
+SPEED_NOISE = (2, 3, 4)
+POSE_NOISE = (0, 1, 2, 3, 4, 5, 8)
+ENCODER_NOISE = (6, 7)
+
+
+def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slot, ...]:
+    """Return what a fit of the base robot moves.
+
+    Gains, axle, two time constants (not for measured wheel speeds, which have no motor between them and the floor),
+    the tyres' slip speed under a prior, and with encoders the wheel radii.
+    """
+    names = list(NUISANCE[:3]) if simulators[0].measured_input else list(NUISANCE)
+    if any(s.prepared.has_encoders for s in simulators):
+        names += ["wheel_radius_left", "wheel_radius_right"]
+    slots = [slot_of(name) for name in names]
+    if not simulators[0].measured_input:
+        slip = slot_of("slip_speed")
+        centre = float(values[slip.place])
+        slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=SLIP_SPREAD))
+    return tuple(slots)
+
+
+def slot_of(name: str, run: int = -1) -> Slot:
+    """Return the slot of a parameter with its physical bounds."""
+    table = parameter_table()
+    place = table.place(name)
+    entry = table.entries[place]
+    return Slot(place, entry.low, entry.high, entry.difference_step, run)
+
+
+def noise_names(simulators: Sequence[Simulator]) -> tuple[int, ...]:
+    """Return the places of the noise levels that these recordings can tell."""
+    return POSE_NOISE + (ENCODER_NOISE if any(s.prepared.has_encoders for s in simulators) else ())
+
+
+def fit_base(engine: Engine) -> Fit:
+    """Fit the base robot and the noise in turn, from the robot as its manifest states it."""
+    values = np.tile(nominal_values(engine.simulators), (len(engine.simulators), 1))
+    slots = base_slots(engine.simulators, values[0])
+    free = noise_names(engine.simulators)
+    noise, before = Noise(), -np.inf
+    for _ in range(ROUNDS):
+        fit = engine.refit_noise(engine.fit(values, slots, noise), free, 8)
+        values, noise = fit.values, fit.noise
+        if fit.score - before < ENOUGH:
+            break
+        before = fit.score
+    return engine.fit(values, slots, noise, refresh=True)

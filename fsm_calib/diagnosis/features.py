@@ -1,0 +1,265 @@
+"""What a mismatch could depend on: groups of generic speed errors, from exogenous quantities alone.
+
+A feature is a speed error over time: forward and sideways [m/s], turning [rad/s], as a function of command, simulated
+speed, place, heading, time or history; never of the noisy pose's differences, whose noise would correlate with the
+residual (measured: clean robots then look ill). Place and heading come from the smoothed path. A group's features
+together answer one question: does the residual depend on this?
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsm_calib.diagnosis.simulator import GRID_STEP, Simulator
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.rollout import simulate
+
+PLACE_PITCH = 0.16  # m between the centres of place features: about a robot's length
+TIME_PITCH = 7.5  # s, slow drifts
+FAST_PITCH = 1.0  # s, gusts and periodic forces
+AGES = (0.06, 0.12, 0.25, 0.5, 1.0)  # s since a command changed: up to three time constants and beyond
+TRAVELS = (0.01, 0.03, 0.06, 0.12, 0.25)  # m since a reversal: up to three caster trails and beyond
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """What is known of every interval of one recording, shape (n,) each (left, right: commands [1]).
+
+    v [m/s], omega [rad/s]: simulated; acceleration [m/s2], spin [rad/s2]; x, y [m], heading [rad] of the path;
+    time, age [s] since the last command change; jump_v, jump_w: that change as speeds [m/s, rad/s]; travel [m] since
+    the last reversal; roll (n, 2) wheel angles [rad]; dt [s]; half axle [m].
+    """
+
+    time: FloatArray
+    dt: FloatArray
+    left: FloatArray
+    right: FloatArray
+    v: FloatArray
+    omega: FloatArray
+    acceleration: FloatArray
+    spin: FloatArray
+    x: FloatArray
+    y: FloatArray
+    heading: FloatArray
+    age: FloatArray
+    jump_v: FloatArray
+    jump_w: FloatArray
+    travel: FloatArray
+    roll: FloatArray
+    half: float
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Features of one kind in one channel: columns (n, 5, m) of increments for each recording.
+
+    regime : what they depend on; labels : one a feature, for people.
+    """
+
+    channel: str
+    regime: str
+    columns: tuple[FloatArray, ...]
+    labels: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Channel and regime in one word."""
+        return f"{self.channel}:{self.regime}"
+
+
+def situation(simulator: Simulator, values: FloatArray) -> Situation:
+    """Return the situation of every interval, speeds simulated with `values` (p,)."""
+    p = simulator.prepared
+    states = simulate(values, simulator.drive, simulator.grid, p.reference[0], simulator.track, 0.005)
+    middle = p.time - 0.5 * p.dt
+
+    def at(column: FloatArray) -> FloatArray:
+        return np.interp(middle, simulator.grid, column)
+
+    time, drive = simulator.grid, simulator.drive
+    row = np.clip(np.searchsorted(drive.time, middle, side="right") - 1, 0, None)
+    before = np.clip(row - 1, 0, None)
+    jump_l, jump_r = drive.left[row] - drive.left[before], drive.right[row] - drive.right[before]
+    half = float(p.geometry[0])
+    age = np.where(middle >= drive.time[0], middle - drive.time[row], 1e3)
+    return Situation(
+        time=middle, dt=p.dt, left=np.where(age < 1e3, drive.left[row], 0.0),
+        right=np.where(age < 1e3, drive.right[row], 0.0), v=at(states[:, 3]), omega=at(states[:, 5]),
+        acceleration=at(np.gradient(states[:, 3], GRID_STEP)), spin=at(np.gradient(states[:, 5], GRID_STEP)),
+        x=p.reference[:, 0], y=p.reference[:, 1], heading=p.reference[:, 2], age=age,
+        jump_v=0.5 * (jump_l + jump_r) * simulator.full_speed,
+        jump_w=(jump_r - jump_l) * simulator.full_speed / (2 * half),
+        travel=np.interp(middle, time, _travel(states[:, 3])), roll=np.column_stack([at(states[:, 6]), at(states[:, 7])]),
+        half=half,
+    )  # fmt: skip
+
+
+def _travel(v: FloatArray) -> FloatArray:
+    """Return the distance since the direction of motion last changed."""
+    sign = np.sign(np.where(np.abs(v) > 0.02, v, 0.0))
+    held = sign[np.maximum.accumulate(np.where(sign != 0, np.arange(len(v)), 0))]
+    path = np.cumsum(np.abs(v)) * GRID_STEP
+    turned = np.flatnonzero(np.diff(held, prepend=held[0]) != 0)
+    start = np.zeros(len(v))
+    start[turned] = path[turned]
+    return path - np.maximum.accumulate(start)
+
+
+def hats(variable: FloatArray, knots: FloatArray) -> FloatArray:
+    """Return triangular basis functions of `variable` (n,) at `knots` (m,), shape (n, m), constant beyond the ends."""
+    return np.column_stack([np.interp(variable, knots, unit) for unit in np.eye(len(knots))])
+
+
+def _forward(f: FloatArray, s: Situation) -> FloatArray:
+    return _column(s, forward=f)
+
+
+def _turn(f: FloatArray, s: Situation) -> FloatArray:
+    return _column(s, turn=f / s.half)
+
+
+def _lateral(f: FloatArray, s: Situation) -> FloatArray:
+    return _column(s, lateral=f)
+
+
+def _left(f: FloatArray, s: Situation) -> FloatArray:
+    return _column(s, forward=0.5 * f, turn=-0.5 * f / s.half)
+
+
+def _right(f: FloatArray, s: Situation) -> FloatArray:
+    return _column(s, forward=0.5 * f, turn=0.5 * f / s.half)
+
+
+def _column(s: Situation, **speeds: FloatArray) -> FloatArray:
+    """Return increments (n, 5, m) of speed errors (n, m) by channel; the wheels turn with the body."""
+    m = next(iter(speeds.values())).shape[1]
+    out = np.zeros((len(s.dt), 5, m))
+    for k, name in enumerate(("forward", "lateral", "turn")):
+        if name in speeds:
+            out[:, k] = speeds[name] * s.dt[:, None]
+    radius = 0.0318 * s.half / 0.05
+    out[:, 3] = (out[:, 0] - s.half * out[:, 2]) / radius
+    out[:, 4] = (out[:, 0] + s.half * out[:, 2]) / radius
+    return out
+
+
+Maker = Callable[[Situation], FloatArray]
+Channelled = Callable[[FloatArray, Situation], FloatArray]
+
+
+def _moving(s: Situation) -> FloatArray:
+    return np.clip((np.abs(s.v) + s.half * np.abs(s.omega)) / 0.02, 0.0, 1.0)
+
+
+def _world(s: Situation, basis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return forward and left components of world-fixed speeds along x and y with amplitude `basis` (n, m)."""
+    c, d = np.cos(s.heading)[:, None], np.sin(s.heading)[:, None]
+    return np.hstack([c * basis, d * basis]), np.hstack([-d * basis, c * basis])
+
+
+def feature_groups(situations: list[Situation]) -> list[Group]:
+    """Return all groups for the recordings of one robot."""
+    limit = max(float(np.max(np.abs(np.concatenate([s.left, s.right])))) for s in situations for s in [s]) or 1.0
+    commands = np.linspace(-limit, limit, 9)
+    speed = max(float(np.quantile(np.abs(s.v), 0.98)) for s in situations) or 0.1
+    spin = max(float(np.quantile(np.abs(s.omega), 0.98)) for s in situations) or 0.1
+    centres = place_centres(situations, PLACE_PITCH)
+    end = max(float(s.time[-1]) for s in situations)
+    slow = np.linspace(0.0, end, max(3, int(end / TIME_PITCH)))
+    turns = np.linspace(*np.quantile(np.concatenate([s.heading for s in situations]), [0.0, 1.0]), 7)
+    moving = _moving
+    recipes: list[tuple[str, str, Channelled, Maker]] = [
+        ("forward", "command level", _forward, lambda s: hats(0.5 * (s.left + s.right), commands)),
+        ("turn", "command level", _turn, lambda s: hats(0.5 * (s.right - s.left), commands)),
+        ("left wheel", "command level", _left, lambda s: hats(s.left, commands)),
+        ("right wheel", "command level", _right, lambda s: hats(s.right, commands)),
+        ("forward", "other wheel", _forward, lambda s: hats(s.left, commands) * np.sign(s.right)[:, None]),
+        ("lateral", "fast turns", _lateral, lambda s: np.column_stack([s.v, s.v * s.omega, s.omega, s.spin * 0.1])),
+        ("turn", "speed and turning", _turn, lambda s: np.hstack([hats(s.omega, np.linspace(-spin, spin, 7)), hats(s.omega * np.abs(s.v), np.linspace(-spin * speed, spin * speed, 5))])),
+        ("forward", "speed and turning", _forward, lambda s: np.hstack([hats(s.v, np.linspace(-speed, speed, 9)), hats(np.abs(s.omega), np.linspace(0, spin, 5)) * np.sign(s.v)[:, None]])),
+        ("forward", "place", _forward, lambda s: _bumps(s, centres) * (np.tanh(s.v / 0.02))[:, None]),
+        ("turn", "place", _turn, lambda s: _bumps(s, centres) * (np.tanh(s.omega * s.half / 0.01))[:, None]),
+        ("lateral", "place", _lateral, lambda s: _bumps(s, centres) * moving(s)[:, None]),
+        ("forward", "place and heading", _forward, lambda s: _world(s, hats_xy(s, centres) * moving(s)[:, None])[0]),
+        ("forward", "heading", _forward, lambda s: _harmonics(s.heading) * moving(s)[:, None]),
+        ("lateral", "heading", _lateral, lambda s: _harmonics(s.heading) * moving(s)[:, None]),
+        ("forward", "heading and speed", _forward, lambda s: _harmonics(s.heading) * s.v[:, None] / speed),
+        ("turn", "heading", _turn, lambda s: _harmonics(s.heading) * (s.omega * s.half)[:, None] * 5),
+        ("forward", "time", _forward, lambda s: hats(s.time, slow) * (s.v / speed)[:, None]),
+        ("turn", "time", _turn, lambda s: hats(s.time, slow) * (s.omega / spin)[:, None]),
+        ("left wheel", "time", _left, lambda s: hats(s.time, slow) * np.sign(s.left)[:, None]),
+        ("right wheel", "time", _right, lambda s: hats(s.time, slow) * np.sign(s.right)[:, None]),
+        ("forward", "after a command", _forward, lambda s: _after(s, s.jump_v / speed)),
+        ("turn", "after a command", _turn, lambda s: _after(s, s.jump_w / spin)),
+        ("forward", "after a reversal", _forward, lambda s: _since(s) * np.sign(s.v)[:, None] * moving(s)[:, None]),
+        ("turn", "after a reversal", _turn, lambda s: _since(s) * np.sign(s.v)[:, None] * moving(s)[:, None]),
+        ("turn", "heading turned", _turn, lambda s: hats(s.heading, turns) * moving(s)[:, None]),
+        ("forward", "wheel phase", _forward, lambda s: _phase(s, slow)),
+        ("turn", "wheel phase", _turn, lambda s: _phase(s, slow)),
+        ("forward", "moment", _forward, lambda s: _world(s, hats(s.time, np.arange(0.0, end, FAST_PITCH)) * moving(s)[:, None])[0]),
+    ]  # fmt: skip
+    return [_group(situations, *recipe) for recipe in recipes]
+
+
+RUN_BOUND = {"time", "moment", "wheel phase", "heading turned"}
+"""Regimes whose features belong to one recording, not to the robot."""
+
+
+def _group(situations: list[Situation], channel: str, regime: str, put: Channelled, make: Maker) -> Group:
+    blocks = [put(make(s), s) for s in situations]
+    if regime in RUN_BOUND:
+        total, at = sum(b.shape[2] for b in blocks), 0
+        spread = []
+        for block in blocks:
+            wide = np.zeros((*block.shape[:2], total))
+            wide[:, :, at : at + block.shape[2]] = block
+            at += block.shape[2]
+            spread.append(wide)
+        blocks = spread
+    return Group(channel, regime, tuple(blocks), tuple(f"{regime} {i}" for i in range(blocks[0].shape[2])))
+
+
+def place_centres(situations: list[Situation], pitch: float) -> FloatArray:
+    """Return centres (m, 2) [m] of a grid over the floor that was visited while moving."""
+    cells = {
+        (int(np.floor(x / pitch)), int(np.floor(y / pitch)))
+        for s in situations
+        for x, y, m in zip(s.x, s.y, _moving(s), strict=True)
+        if m > 0.5
+    }
+    if not cells:
+        return np.zeros((1, 2))
+    return (np.array(sorted(cells)) + 0.5) * pitch
+
+
+def _bumps(s: Situation, centres: FloatArray) -> FloatArray:
+    """Return Gaussian place functions, width 0.6 pitch."""
+    square = (s.x[:, None] - centres[:, 0]) ** 2 + (s.y[:, None] - centres[:, 1]) ** 2
+    return np.exp(-0.5 * square / (0.6 * PLACE_PITCH) ** 2)
+
+
+def hats_xy(s: Situation, centres: FloatArray) -> FloatArray:
+    """Return a constant and linear functions of place, scaled to the visited field, shape (n, 3)."""
+    middle, reach = centres.mean(axis=0), max(float(np.ptp(centres, axis=0).max()) / 2, PLACE_PITCH)
+    return np.column_stack([np.ones(len(s.x)), (s.x - middle[0]) / reach, (s.y - middle[1]) / reach])
+
+
+def _harmonics(heading: FloatArray) -> FloatArray:
+    return np.column_stack([np.cos(heading), np.sin(heading), np.cos(2 * heading), np.sin(2 * heading)])
+
+
+def _after(s: Situation, jump: FloatArray) -> FloatArray:
+    return hats(s.age, np.array([0.0, *AGES])) * jump[:, None]
+
+
+def _since(s: Situation) -> FloatArray:
+    return hats(s.travel, np.array([0.0, *TRAVELS]))
+
+
+def _phase(s: Situation, knots: FloatArray) -> FloatArray:
+    window = hats(s.time, knots)
+    wheels = [(f(s.roll[:, i]) * (s.v - (1 - 2 * i) * s.half * s.omega))[:, None] * window for i in range(2) for f in (np.cos, np.sin)]
+    return np.hstack(wheels)

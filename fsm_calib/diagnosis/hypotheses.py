@@ -1,0 +1,178 @@
+"""The hypotheses: each effect of the catalogue in each of its forms, with the places where a fit should start.
+
+Everything comes from what the effects declare (`world2d.effects`): variants, start values, which parameters belong
+to one recording. A start is judged before it is fitted: its simulated change, as one more column beside the base
+robot's, tells how much likelihood it could win and with what amplitude (a secant, so that saturations and gaps,
+which have no derivative at their null value, are seen).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from fsm_calib.diagnosis.adequacy import Residual, project
+from fsm_calib.diagnosis.base import slot_of
+from fsm_calib.diagnosis.fit import ALL_RUNS, Fit, Slot
+from fsm_calib.diagnosis.simulator import Simulator
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import parameter_table
+
+MOST_STARTS = 12
+LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """One form of one effect: the parameters it frees; `run` for an event of one recording, else -1."""
+
+    effect: str
+    names: tuple[str, ...]
+    run: int = ALL_RUNS
+
+    @property
+    def full_names(self) -> tuple[str, ...]:
+        """Names in the parameter table."""
+        return tuple(f"{self.effect}.{name}" for name in self.names)
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a fit starts: parameters of each recording (R, p) and the log-likelihood it promises to win."""
+
+    values: FloatArray
+    promise: float
+
+
+def catalogue(without: Iterable[str] = (), base_lacks: Iterable[str] = ()) -> list[Effect]:
+    """Return the candidate effects: the registry without those named, and without those that the base robot has."""
+    left_out, lacks = set(without), set(base_lacks)
+    return [e for e in registry().values() if e.name not in left_out and (e.family != "base" or e.name in lacks)]
+
+
+def variants(effect: Effect) -> tuple[tuple[str, ...], ...]:
+    """Return the sets of parameters worth fitting."""
+    return effect.variants or (tuple(p.name for p in effect.parameters if p.fitted),)
+
+
+def is_event(effect: Effect) -> bool:
+    """Return whether the effect happens once, in one recording."""
+    return effect.scan == "time"
+
+
+def hypotheses_of(effect: Effect, runs: int) -> Iterator[Hypothesis]:
+    """Yield every form of an effect; an event once for each recording."""
+    for names in variants(effect):
+        for run in range(runs) if is_event(effect) else (ALL_RUNS,):
+            yield Hypothesis(effect.name, names, run)
+
+
+def slots_of(hypothesis: Hypothesis, runs: int) -> tuple[Slot, ...]:
+    """Return the free numbers: shared ones once, those that belong to a recording once for each."""
+    effect = registry()[hypothesis.effect]
+    slots: list[Slot] = []
+    for name, full in zip(hypothesis.names, hypothesis.full_names, strict=True):
+        if hypothesis.run != ALL_RUNS:
+            slots.append(slot_of(full, hypothesis.run))
+        elif effect.parameter(name).per_recording:
+            slots += [slot_of(full, run) for run in range(runs)]
+        else:
+            slots.append(slot_of(full))
+    return tuple(slots)
+
+
+def declared_starts(hypothesis: Hypothesis) -> list[dict[str, float]]:
+    """Return combinations of the declared start values of a hypothesis' parameters, at most `MOST_STARTS`."""
+    effect = registry()[hypothesis.effect]
+    lists = []
+    for name in hypothesis.names:
+        p = effect.parameter(name)
+        fallback = (p.typical,) if p.strength and _only_strength(effect, hypothesis, name) else (p.null,)
+        lists.append([(f"{effect.name}.{name}", value) for value in (p.starts or fallback)])
+    return [dict(choice) for choice in product(*lists)][:MOST_STARTS]
+
+
+def _only_strength(effect: Effect, hypothesis: Hypothesis, name: str) -> bool:
+    """Return whether `name` is the first strength of the hypothesis: it must not start at its null value."""
+    strengths = [n for n in hypothesis.names if effect.parameter(n).strength]
+    declared = [n for n in strengths if any(x != effect.parameter(n).null for x in effect.parameter(n).starts)]
+    return not declared and strengths[:1] == [name]
+
+
+def with_values(values: FloatArray, changes: Mapping[str, float], run: int = ALL_RUNS) -> FloatArray:
+    """Return a copy of `values` (R, p) with full names set, in all recordings or one."""
+    table, changed = parameter_table(), values.copy()
+    for name, value in changes.items():
+        changed[slice(None) if run == ALL_RUNS else run, table.place(name)] = value
+    return changed
+
+
+@dataclass(frozen=True, eq=False)
+class Prober:
+    """Judges starts against one parent fit without fitting."""
+
+    simulators: tuple[Simulator, ...]
+    parent: Fit
+    residual: Residual
+
+    def columns(self, values: FloatArray) -> list[FloatArray]:
+        """Return the simulated change of each recording, (n, 5, 1)."""
+        return [
+            (s.increments(v[None])[0] - before)[:, :, None]
+            for s, v, before in zip(self.simulators, values, self.parent.simulated, strict=True)
+        ]
+
+    def amplitude(self, columns: Sequence[FloatArray]) -> tuple[float, float]:
+        """Return amplitude and promised log-likelihood of one change, the base re-fitted linearly."""
+        x = project(self.residual, columns)[:, 0]
+        power = float(x @ x)
+        if power <= 1e-12:
+            return 0.0, 0.0
+        amplitude = float(x @ self.residual.psi) / power
+        return amplitude, 0.5 * amplitude * amplitude * power * np.sign(amplitude)
+
+    def start(self, hypothesis: Hypothesis, changes: Mapping[str, float]) -> Start:
+        """Return one start with its strengths scaled by the amplitude that the data ask for."""
+        effect = registry()[hypothesis.effect]
+        values = with_values(self.parent.values, changes, hypothesis.run)
+        amplitude, promise = self.amplitude(self.columns(values))
+        two_sided = any(effect.parameter(n).low < effect.parameter(n).null for n in effect.strengths if n in hypothesis.names)
+        if amplitude < 0 and not two_sided:
+            return Start(values, 0.0)
+        scale = float(np.sign(amplitude) * np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE))
+        return Start(with_values(values, scaled(effect, changes, scale), hypothesis.run), abs(promise))
+
+    def best_starts(self, hypothesis: Hypothesis, choices: Sequence[Mapping[str, float]], keep: int) -> list[Start]:
+        """Return the most promising starts; numbers that belong to a recording are chosen for each by itself."""
+        starts = [self.start(hypothesis, choice) for choice in choices]
+        own = [n for n in hypothesis.names if registry()[hypothesis.effect].parameter(n).per_recording]
+        if own and hypothesis.run == ALL_RUNS and len(self.simulators) > 1:
+            starts.append(self._mixed(hypothesis, choices))
+        return sorted(starts, key=lambda start: -start.promise)[:keep]
+
+    def _mixed(self, hypothesis: Hypothesis, choices: Sequence[Mapping[str, float]]) -> Start:
+        """Combine the best choice of each recording."""
+        values = self.parent.values.copy()
+        best: list[tuple[float, FloatArray]] = []
+        for run in range(len(self.simulators)):
+            promises = []
+            for choice in choices:
+                candidate = with_values(self.parent.values, choice, run)
+                promises.append((self.amplitude(self.columns(candidate))[1], candidate[run]))
+            best.append(max(promises, key=lambda pair: pair[0]))
+            values[run] = best[-1][1]
+        return Start(values, sum(max(promise, 0.0) for promise, _ in best))
+
+
+def scaled(effect: Effect, changes: Mapping[str, float], scale: float) -> dict[str, float]:
+    """Return the changes with the strengths' distance from null scaled, inside their bounds."""
+    result = dict(changes)
+    for full, value in changes.items():
+        p = effect.parameter(full.split(".")[1])
+        if p.strength:
+            result[full] = float(np.clip(p.null + scale * (value - p.null), p.low, p.high))
+    return result
