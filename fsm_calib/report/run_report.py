@@ -18,6 +18,7 @@ from fsm_calib.report import run_camera, run_plan, run_timeline, run_wheels
 from fsm_calib.report.run_record import RunRecord
 
 TEMPLATE = "run.html.j2"
+FIGURES = ("plan", "timeline", "coverage", "reprojection", "predicted", "ratio", "drives")
 FEWEST_VIEWS = 3
 """Fewer views of boards than this give no picture of the camera's fit."""
 
@@ -47,8 +48,8 @@ def run_report(record: RunRecord) -> str:
 
 
 def _figures(record: RunRecord) -> dict[str, Markup]:
-    """Return the figures that this run has something to show in, by name."""
-    drawn: dict[str, str] = {}
+    """Return the figures by name; empty where this run has nothing to show."""
+    drawn = dict.fromkeys(FIGURES, "")
     if len(record.track):
         drawn["plan"] = run_plan.floor_plan(record)
     if record.spans:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fsm_calib.actions import ACTIVITIES, ActionSettings, Bench
+from fsm_calib.actions.notebook import Notebook
 from fsm_calib.errors import DataError
 from fsm_calib.journal import JOURNAL_NAME, Journal, read_checkpoint, read_journal
 from fsm_calib.machines.books import Books
@@ -26,7 +27,8 @@ from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.settings import actions_of, limits_of
 from fsm_calib.scenario.world import world_of
 from fsm_calib.types import WheelCommand
-from fsm_calib.world2d.robot import World, WorldSpec, make_world
+from fsm_calib.world2d.fleet import RobotSpec
+from fsm_calib.world2d.robot import World, make_world
 
 POSE_TOLERANCE = 1e-9
 """How far a world that was driven again may be from the journal [m, rad]: rounding of another machine."""
@@ -112,12 +114,27 @@ def _session(
         gallery=_gallery(scenario, directory, state),
         heading=identity(scenario),
     )
+    if state is None:
+        teach(run.bench.notebook, scenario, spec.robot)
     if state:
         run.sequence = state["sequence"]
         run.bench.from_state(state["bench"])
         with parts.part("physics"):
             _drive_again(world, directory, state)
     return Session(scenario, world, limits, settings, run)
+
+
+def teach(notebook: Notebook, scenario: Scenario, robot: RobotSpec) -> None:
+    """Write into the notebook what the robot knows from an earlier calibration."""
+    known = scenario.robot.known
+    if known.camera:
+        notebook.camera, notebook.mount = robot.camera, robot.mount
+    ratio = known.wheel_ratio
+    if known.ratio_drift is not None:
+        ratio = robot.wheel_ratio / (1.0 + known.ratio_drift)
+    if ratio is not None:
+        notebook.wheel_ratio = ratio
+        notebook.ratio_history = [ratio]
 
 
 def _machine(scenario: Scenario, limits: Limits, state: dict[str, Any] | None) -> CalibrationMachine:
@@ -154,8 +171,3 @@ def _drive_again(world: World, directory: Path, state: dict[str, Any]) -> None:
         raise DataError(
             problem, cure="Run again without --resume; the journal was changed or is of another version."
         )
-
-
-def world_spec(session: Session) -> WorldSpec:
-    """Return the specification of the session's world."""
-    return session.world.spec

@@ -44,6 +44,13 @@ def scenario_from(document: YamlDocument) -> Scenario:
 
 def _check_together(scenario: Scenario, document: YamlDocument) -> None:
     """Raise `InputError` where settings are right one by one and wrong together."""
+    robot = scenario.robot
+    if robot.start is not None and robot.start_in_lane is not None:
+        where = document.where(("robot", "start_in_lane"))
+        raise InputError("start and start_in_lane name two places", where=where, cure="Give one of them.")
+    if robot.known.wheel_ratio is not None and robot.known.ratio_drift is not None:
+        where = document.where(("robot", "known", "ratio_drift"))
+        raise InputError("wheel_ratio and ratio_drift tell k twice", where=where, cure="Give one of them.")
     start, boards = scenario.scene.boards.start_board, len(boards_of(scenario.scene.boards))
     if start is not None and start >= boards:
         cure = f"Boards are numbered from 0 to {boards - 1}, counter-clockwise."

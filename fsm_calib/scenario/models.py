@@ -59,6 +59,20 @@ class CameraSection(Section):
         return CameraModel(matrix, np.array([*plumb_bob, *rational]), model="rational_polynomial")
 
 
+class KnownSection(Section):
+    """What the robot knows from an earlier calibration."""
+
+    camera: bool = Field(default=False, description="It knows its lens and how the camera is mounted.")
+    wheel_ratio: float | None = Field(default=None, gt=0.5, lt=2.0, description="The wheel ratio k in use.")
+    ratio_drift: float | None = Field(
+        default=None,
+        gt=-0.5,
+        lt=0.5,
+        description="The wheel ratio was calibrated, and the true one has since drifted by this share: "
+        "k in use = true k / (1 + ratio_drift).",
+    )
+
+
 class RobotSection(Section):
     """The robot that is to be calibrated."""
 
@@ -79,7 +93,17 @@ class RobotSection(Section):
     mount: MountSection | None = Field(
         default=None, description="Where the camera truly sits, in place of the drawn mount."
     )
-    start: PoseSection = PoseSection()
+    known: KnownSection = KnownSection()
+    start: PoseSection | None = Field(
+        default=None,
+        description="Where the robot begins, in the area's frame; by default between the boards.",
+    )
+    start_in_lane: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=20.0,
+        description="Begin in the middle of the lane instead, this far along it [m].",
+    )
     effects: EffectsSection = Field(
         default=EffectsSection(), description="Physics beyond the nominal robot, switched on by name."
     )

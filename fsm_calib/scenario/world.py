@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from fsm_calib.scenario.models import Scenario
+from fsm_calib.scenario.models import RobotSection, Scenario
 from fsm_calib.scenario.robot import robot_of
 from fsm_calib.scenario.scene import scene_of
+from fsm_calib.types import Pose2
 from fsm_calib.world2d.robot import WorldSpec
+from fsm_calib.world2d.scene import SceneSpec
+
+
+def start_of(section: RobotSection, scene: SceneSpec) -> Pose2:
+    """Return where the robot begins: as given, in the lane, or at the origin between the boards."""
+    if section.start_in_lane is not None and scene.road is not None:
+        return scene.road.start.then(Pose2(section.start_in_lane))
+    return Pose2() if section.start is None else section.start.build()
 
 
 def world_of(scenario: Scenario) -> WorldSpec:
     """Return robot, area, start, sensor, faults and wear of a scenario."""
-    robot = robot_of(scenario)
+    robot, scene = robot_of(scenario), scene_of(scenario)
     return WorldSpec(
         robot=robot,
-        scene=scene_of(scenario),
-        start=scenario.robot.start.build(),
+        scene=scene,
+        start=start_of(scenario.robot, scene),
         sensor=scenario.sensor.build(defocus=robot.defocus),
         settings=scenario.world.build(),
         faults=tuple(fault.build() for fault in scenario.faults),
