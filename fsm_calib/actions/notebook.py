@@ -183,9 +183,7 @@ class Notebook:
         """Return the notebook that `to_state` wrote."""
         values = dict(state)
         values["image_size"] = tuple(values["image_size"])
-        values["views"] = [
-            BoardView(_unpack(v["corners"]), v["board"], v["source"]) for v in values["views"]
-        ]
+        values["views"] = [BoardView(_unpack(v["corners"]), v["board"], v["source"]) for v in values["views"]]
         values["camera"] = _camera_from(values["camera"])
         values["figures"] = CameraFigures(**values["figures"]) if values["figures"] else None
         values["mount"] = CameraMount(**values["mount"])

@@ -16,7 +16,9 @@ Published (text and program): k_i = (w1 + Delta_m L / (t R)) / w2 with w1 the le
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,9 +26,12 @@ from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.heading_adjustment import Headings, adjust_headings
 from fsm_calib.actions.markers import heading_sd
 from fsm_calib.actions.notebook import MarkerReading, WheelRun
-from fsm_calib.types import TagObservation, wrap_angle
+from fsm_calib.types import FloatArray, TagObservation, wrap_angle
 
 _LEAST_SD = 1e-4  # rad; no heading is better
+_SCATTER_ROUNDS = 3
+_SCATTER_PRIOR = 4.0  # drives that the prior on the scatter counts for [1]
+_GAIN_PRIOR = 1.0 / 0.2**2  # weight of the prior loop gain 1 +- 0.2: axles differ by less [1]
 
 
 def run_from_readings(bench: Bench, distance: float) -> WheelRun:
@@ -69,12 +74,22 @@ def published_k(bench: Bench, turned: float, ratio: float, duration: float) -> f
     return (left + rate) / (ratio * left)
 
 
-def combined_ratio(bench: Bench) -> float:
-    """Return k from all long drives together by weighted least squares.
+@dataclass(frozen=True, slots=True)
+class Combined:
+    """k from all drives together and its standard error [1]."""
+
+    ratio: float
+    error: float
+
+
+def combined_ratio(bench: Bench) -> Combined:
+    """Return k from all drives together by weighted least squares.
 
     Drive i with ratio k_i' and residual r_i = k_i - 1 says k = k_i' + r_i / g with g the gain of the loop,
-    estimated from the drives at different k (1 when they do not tell; between a half and two). Weights are 1
-    / sd(r_i)^2 with sd(r_i) = sd(turned) L / s. All turns are adjusted again with every reading known so far.
+    estimated from the drives at different k (1 when they do not tell; between a half and two). The variance
+    of r_i has two parts: the heading's, (sd(turned) L / s)^2, and that of the drive itself, q^2 / s, because
+    wheels never repeat a drive exactly; q is estimated from the scatter of the drives, beginning at
+    `run_scatter`. All turns are adjusted again with every reading known so far.
     """
     notebook, settings = bench.notebook, bench.settings.ratio
     headings = adjusted(bench, notebook.readings)
@@ -83,20 +98,26 @@ def combined_ratio(bench: Bench) -> float:
         turned, sd = headings.turned(2 * index, 2 * index + 1)
         scale = settings.axle_length / run.distance
         if abs(turned * scale) <= settings.combine_within:
-            rows.append((run.wheel_ratio, -turned * scale, max(sd, _LEAST_SD) * scale))
+            rows.append((run.wheel_ratio, -turned * scale, max(sd, _LEAST_SD) * scale, run.distance))
     if not rows:
-        return notebook.wheel_ratio
-    ratio, residual, sd = np.array(rows).T
-    weight = 1.0 / sd**2
-    gain = _loop_gain(ratio, residual, weight)
-    return float(np.average(ratio + residual / gain, weights=weight))
+        return Combined(notebook.wheel_ratio, math.inf)
+    ratio, residual, sd, distance = np.array(rows).T
+    scatter = settings.run_scatter**2
+    for _ in range(_SCATTER_ROUNDS):
+        weight = 1.0 / (sd**2 + scatter / distance)
+        values = ratio + residual / _loop_gain(ratio, residual, weight)
+        mean = float(np.average(values, weights=weight))
+        excess = float(np.sum(distance * ((values - mean) ** 2 - sd**2)))
+        scatter = (_SCATTER_PRIOR * settings.run_scatter**2 + max(excess, 0.0)) / (
+            _SCATTER_PRIOR + len(values) - 1
+        )
+    return Combined(mean, float(np.sqrt(1.0 / weight.sum())))
 
 
-def _loop_gain(ratio: np.ndarray, residual: np.ndarray, weight: np.ndarray) -> float:
+def _loop_gain(ratio: FloatArray, residual: FloatArray, weight: FloatArray) -> float:
     """Return g of r = g (k - k') with a prior of 1 +- 0.2 from the nominal axle."""
     mean_ratio = np.average(ratio, weights=weight)
     mean_residual = np.average(residual, weights=weight)
     spread = float(np.sum(weight * (ratio - mean_ratio) ** 2))
     slope = -float(np.sum(weight * (ratio - mean_ratio) * (residual - mean_residual)))
-    prior = 1.0 / 0.2**2
-    return float(np.clip((slope + prior) / (spread + prior), 0.5, 2.0))
+    return float(np.clip((slope + _GAIN_PRIOR) / (spread + _GAIN_PRIOR), 0.5, 2.0))

@@ -170,6 +170,11 @@ class RatioSettings:
         Whether the final k is the weighted least-squares value of the last drives and not the last iterate.
     combine_within : float
         Drives with |k_i - 1| below this enter the combination [1].
+    largest_error : float
+        A drive is quiet only when the combined k has at most this standard error [1]; 0.001 is 0.02 m after 2
+        m.
+    run_scatter : float
+        Expected scatter of the mismatch from drive to drive, over 1 m [1]; longer drives average it out.
     published_radius : float
         R of the published program [m]: the wheel's diameter.
     published_duration : float
@@ -182,6 +187,8 @@ class RatioSettings:
     share: float = 0.5
     combine: bool = True
     combine_within: float = 0.04
+    largest_error: float = 0.0012
+    run_scatter: float = 0.002
     published_radius: float = 0.066
     published_duration: float = 3.25
 

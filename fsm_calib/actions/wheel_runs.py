@@ -20,8 +20,8 @@ def drive_forward(bench: Bench) -> Outcome:
     """Drive forward with the k so far; the drive is as long as its expected curvature lets the markers stay
     in sight.
 
-    When the markers say that nothing moved, the command is raised and the drive made again; when the most
-    moves nothing forward, a short drive back tells an obstacle from a dead wheel.
+    When the markers say that the first drive moved nothing, the command is raised and the drive made again;
+    when the most moves nothing forward, a short drive back tells an obstacle from a dead wheel.
     """
     notebook = bench.notebook
     notebook.last_duration = _duration(bench)
@@ -29,8 +29,7 @@ def drive_forward(bench: Bench) -> Outcome:
     settings = bench.settings
     while True:
         drive(bench, notebook.last_duration, notebook.last_ratio)
-        moved = _has_moved(bench)
-        if moved is not False:
+        if notebook.runs or _has_moved(bench) is not False:
             return Outcome(
                 "drive_finished", {"duration": round(notebook.last_duration, 4)}, "Driven forward."
             )
@@ -79,18 +78,23 @@ def update_ratio(bench: Bench) -> Outcome:
     drives.
 
     As published a quiet drive leaves k alone, and what remains of the mismatch, up to 2 E, is never applied.
-    Here quiet drives move k to the weighted least-squares value of all long drives.
+    Here a small correction moves k to the weighted least-squares value of all drives, and counts as quiet
+    when that value is known well enough: single drives scatter by as much as E.
     """
     notebook, settings = bench.notebook, bench.settings.ratio
     run = notebook.runs[-1]
     correction = settings.share * (run.k_i - 1.0)
-    quiet = abs(correction) < settings.quiet_correction and _is_full(bench, run)
-    if not quiet:
+    small = abs(correction) < settings.quiet_correction and _is_full(bench, run)
+    combined = combined_ratio(bench) if settings.combine and small else None
+    quiet = small and (combined is None or combined.error <= settings.largest_error)
+    if combined is not None:
+        notebook.wheel_ratio = combined.ratio
+    elif not quiet:
         notebook.wheel_ratio = run.wheel_ratio + correction
-    elif settings.combine:
-        notebook.wheel_ratio = combined_ratio(bench)
     notebook.ratio_history.append(notebook.wheel_ratio)
     evidence = {"quiet": quiet, "k_i": run.k_i, "wheel_ratio": notebook.wheel_ratio}
+    if combined is not None:
+        evidence["error"] = combined.error
     return Outcome("ratio_updated", evidence, f"k = {notebook.wheel_ratio:.4f}{', quiet' if quiet else ''}.")
 
 
