@@ -20,7 +20,11 @@ _BAKED = 9.0
 """Prints on the floor that are lower than this in the image [px] are left to the floor's own, coarser picture."""
 _LAYERS = {"room": 0, "floor": 1, "decal": 2, "standing": 3}
 
+_LARGE = 0.5
+"""Longest side [m] from which a surface that reaches behind the camera is looked for by rays."""
+
 Box = tuple[int, int, int, int]
+RealBox = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +67,17 @@ class SurfaceIndex:
         boxes = _project_boxes(table, outlines)
         seen = []
         for index in np.flatnonzero(facing & some):
-            box = boxes[index] if in_front[index] else _search_box(table, plane_from_ray[index], self.sides[index])
+            box: RealBox | None = boxes[index]
+            if not in_front[index] and self.sides[index].max() > _LARGE:
+                box = _search_box(table, plane_from_ray[index], self.sides[index])
             low = _BAKED if self.layers[index] == _LAYERS["decal"] else _SMALLEST
-            box = _clip(box, table, low)
-            if box is not None:
-                seen.append(Seen(self.surfaces[index], box, plane_from_ray[index]))
+            whole = _clip(box, table, low)
+            if whole is not None:
+                seen.append(Seen(self.surfaces[index], whole, plane_from_ray[index]))
         return _in_drawing_order(seen, position)
 
 
-def _project_boxes(table: RayTable, outlines: FloatArray) -> list[tuple[float, float, float, float]]:
+def _project_boxes(table: RayTable, outlines: FloatArray) -> list[RealBox]:
     """Return the image boxes [px] of outlines (n, points, 3) in the camera's frame; rays beyond the widest are clamped."""
     depth = np.maximum(outlines[..., 2], NEAREST)
     x, y = outlines[..., 0] / depth, outlines[..., 1] / depth
@@ -82,10 +88,10 @@ def _project_boxes(table: RayTable, outlines: FloatArray) -> list[tuple[float, f
     low = np.stack([u.min(axis=1), v.min(axis=1)], axis=1)
     high = np.stack([u.max(axis=1), v.max(axis=1)], axis=1)
     bend = 0.03 * np.max(high - low, axis=1, keepdims=True)  # edges are curved between the outline's points
-    return [tuple(row) for row in np.concatenate([low - bend, high + bend], axis=1)]
+    return [(row[0], row[1], row[2], row[3]) for row in np.concatenate([low - bend, high + bend], axis=1).tolist()]
 
 
-def _search_box(table: RayTable, plane_from_ray: FloatArray, size: FloatArray) -> tuple[float, float, float, float] | None:
+def _search_box(table: RayTable, plane_from_ray: FloatArray, size: FloatArray) -> RealBox | None:
     """Return the image box of a rectangle that reaches behind the camera, by asking a coarse grid of rays."""
     rays = table.rays[1 : -1 : _COARSE, 1 : -1 : _COARSE]
     a, b, w = np.moveaxis(rays @ plane_from_ray[:, :2].T.astype(np.float32) + plane_from_ray[:, 2], -1, 0)
@@ -98,7 +104,7 @@ def _search_box(table: RayTable, plane_from_ray: FloatArray, size: FloatArray) -
     return low_x, low_y, (columns[-1] + 2) * _COARSE, (rows[-1] + 2) * _COARSE
 
 
-def _clip(box: tuple[float, float, float, float] | None, table: RayTable, low: float) -> Box | None:
+def _clip(box: RealBox | None, table: RayTable, low: float) -> Box | None:
     """Round a box outwards and cut it at the image; None when nothing worth drawing is left."""
     if box is None or box[3] - box[1] < low or box[2] - box[0] < _SMALLEST:
         return None
