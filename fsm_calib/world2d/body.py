@@ -101,7 +101,8 @@ class RobotBody:
         """Return a resting pymunk body at the pose."""
         body = pymunk.Body(self._bench[MASS], self._bench[INERTIA])
         body.center_of_gravity = (self._bench[COM_X], self._bench[COM_Y])
-        body.position, body.angle = (pose.x, pose.y), pose.theta
+        body.angle = pose.theta
+        body.position = (pose.x, pose.y)
         return body
 
     def set_parameters(self, parameters: FloatArray) -> None:

@@ -94,8 +94,11 @@ NEWTON_STEPS = 12
 """Most iterations for the crossing of motor and tyre; two or three are the rule."""
 NEWTON_TOLERANCE = 1e-7
 """Change of the slip at which the iteration ends [m/s]; as it converges quadratically, the error is then 1e-12."""
-LEAST_INERTIA = 0.05
-"""Least yaw inertia [1], as a part of mass times the square of half the axle (assumed; keeps odd fits solvable)."""
+LEAST_RATIO = 0.1
+"""Yaw inertia over mass times the square of half the axle that is always left to the body (assumed): where the time
+constants leave less, the wheels have less inertia, so that odd fits stay solvable."""
+STEPS_TO_STOP = 4.0
+"""Steps within which dry friction could stop a motion for it to be treated as a damper."""
 STILL = 1e-12
 """Speeds below this are zero [m/s, rad/s]: keeps a resting robot exactly still."""
 
@@ -131,17 +134,33 @@ def add_oblique_damper(W, px, py, dx, dy, k):
 
 
 @njit(error_model="numpy")
+def add_dry_friction(W, px, py, dx, dy, speed, size, inertia):
+    """Add dry friction of `size` [N] at the point (px, py) [m] of `base` against `speed` [m/s] along the unit vector (dx, dy).
+
+    A constant force while it cannot stop the motion within a few steps (second order), else a stiff damper (stable, holds
+    still); `inertia` [kg] is the mass that it brakes, at least.
+    """
+    k = size / math.sqrt(speed * speed + slots.CREEP_SPEED * slots.CREEP_SPEED)
+    if abs(speed) * inertia > STEPS_TO_STOP * W[STEP] * size:
+        add_force(W, -k * speed * dx, -k * speed * dy, -k * speed * (px * dy - py * dx))
+    else:
+        add_oblique_damper(W, px, py, dx, dy, k)
+
+
+@njit(error_model="numpy")
 def begin_base(P, W):
     """Set what stays the same for a whole roll-out: masses, geometry, motors; effects may change it afterwards."""
     mass, half = P[BODY_MASS], 0.5 * P[AXLE]
     W[:] = 0.0
     W[MASS], W[HALF_AXLE] = mass, half
     W[RADIUS], W[RADIUS + 1] = P[WHEEL_RADIUS], P[WHEEL_RADIUS + 1]
+    ratio = P[TAU_TURN] / P[TAU_FORWARD]
     rotating = P[WHEEL_INERTIA] / (0.5 * (W[RADIUS] + W[RADIUS + 1])) ** 2
+    if ratio < 1.0:
+        rotating = min(rotating, max(0.5 * mass * (ratio - LEAST_RATIO) / (1.0 - ratio), 0.0))
     W[ROTATING] = rotating
     W[BASE_DRIVE] = (0.5 * mass + rotating) / P[TAU_FORWARD]
-    inertia = 2.0 * half * half * (P[TAU_TURN] * W[BASE_DRIVE] - rotating)
-    W[INERTIA] = max(inertia, LEAST_INERTIA * mass * half * half)
+    W[INERTIA] = 2.0 * half * half * max(P[TAU_TURN] * W[BASE_DRIVE] - rotating, 0.5 * mass * LEAST_RATIO)
 
 
 @njit(error_model="numpy")
@@ -196,6 +215,12 @@ def slip_at_crossing(excess, drive, grip, floor2, guess):
     return math.copysign(s, excess)
 
 
+@njit(error_model="numpy", inline="always")
+def lead(W, side):
+    """Return where in the step the rim speed is solved for: half way, or later (damped) where gears have just met."""
+    return 1.0 - 0.5 * W[ENGAGED + side]
+
+
 @njit(error_model="numpy")
 def meet_ground(S, W, side, speed, across):
     """Find the line force = LINE_FORCE - LINE_SLOPE speed of one wheel and its tyre's secant stiffness for this step.
@@ -204,7 +229,7 @@ def meet_ground(S, W, side, speed, across):
     acts like a second, steep motor line through the rim speed before the step, and the crossing is the rim's mean speed.
     Dry friction of the drive train shifts the line against the rotation; a wheel that it holds is a dragged tyre.
     """
-    inert = 2.0 * W[ROTATING] / W[STEP]
+    inert = W[ROTATING] / (lead(W, side) * W[STEP])
     drive = W[DRIVE + side] + inert
     target = (W[DRIVE + side] * W[TARGET + side] + inert * S[RIM + side]) / drive
     dry, engaged = W[DRY + side], W[ENGAGED + side]
@@ -240,8 +265,9 @@ def hold_or_coast(S, W, side, speed, floor2):
     if W[ENGAGED + side] > 0.0:
         return
     W[SLIP_STIFFNESS + side], W[LINE_SLOPE + side] = W[GRIP + side] / math.sqrt(floor2), 0.0
-    rim, target = S[RIM + side], W[TARGET + side]
-    W[RIM_TARGET + side] = 0.5 * (rim + free_speed(rim, target, W[DRIVE + side], W[ROTATING], W[STEP]))
+    W[RIM_TARGET + side] = free_speed(
+        S[RIM + side], W[TARGET + side], W[DRIVE + side], W[ROTATING], W[STEP]
+    )
 
 
 @njit(error_model="numpy")
@@ -305,7 +331,7 @@ def turn_wheels(S, W):
         force = W[LINE_FORCE + side] - W[LINE_SLOPE + side] * speed
         mean = W[RIM_TARGET + side] - W[RIM_SHARE + side] * force
         held = W[RIM_SHARE + side] == 0.0 and W[ENGAGED + side] > 0.0
-        S[RIM + side] = 0.0 if held else settle(2.0 * mean - S[RIM + side])
+        S[RIM + side] = 0.0 if held else settle(S[RIM + side] + (mean - S[RIM + side]) / lead(W, side))
         S[ANGLE + side] += W[STEP] * mean / W[RADIUS + side]
 
 

@@ -13,17 +13,18 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.dynamics import add_damper
+from fsm_calib.world2d.dynamics import add_dry_friction
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.slots import COS, CREEP_SPEED, SIN, V
+from fsm_calib.world2d.slots import COS, CREEP_SPEED, MASS, SIN, V
 
 
 @njit(error_model="numpy")
 def resist(P, o, S, m, W):
-    """Add the drag as a damper along the robot."""
+    """Add the drag along the robot."""
     speed = math.sqrt(S[V] * S[V] + CREEP_SPEED * CREEP_SPEED)
     ease = (W[COS] * P[o] + W[SIN] * P[o + 1]) * S[V] / speed
-    add_damper(W, 0.0, 0.0, max(math.hypot(P[o], P[o + 1]) - ease, 0.0) / speed, 0.0)
+    drag = max(math.hypot(P[o], P[o + 1]) - ease, 0.0)
+    add_dry_friction(W, 0.0, 0.0, 1.0, 0.0, S[V], drag, W[MASS])
 
 
 EFFECT = Effect(

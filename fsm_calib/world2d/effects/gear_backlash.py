@@ -17,6 +17,10 @@ from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.slots import DRIVE, ENGAGED, HALF_AXLE, OMEGA, RADIUS, RIM, ROTATING, STEP, TARGET, V
 
 
+TOUCH = 1e-9
+"""Travel [rad] in one step below which teeth that touch are taken to stay engaged."""
+
+
 @njit(error_model="numpy")
 def cross_gap(P, o, S, m, W):
     """Disengage the motors while their teeth are between the flanks."""
@@ -28,7 +32,7 @@ def cross_gap(P, o, S, m, W):
         travel = (0.5 * (rim + free) - S[V] + arm * S[OMEGA]) * h / W[RADIUS + side]
         after = S[m + side] + travel
         S[m + side] = min(max(after, 0.0), P[o])
-        if travel != 0.0:
+        if abs(travel) > TOUCH:
             beyond = after - P[o] if travel > 0.0 else -after
             W[ENGAGED + side] = min(max(beyond / abs(travel), 0.0), 1.0)
 

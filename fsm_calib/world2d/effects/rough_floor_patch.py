@@ -8,25 +8,23 @@ axes (a strip is a long box). Source: rolling resistance, e.g. Wong, Theory of G
 
 from __future__ import annotations
 
-import math
-
 from numba import njit
 
-from fsm_calib.world2d.dynamics import add_damper
+from fsm_calib.world2d.dynamics import add_dry_friction
 from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.effects.places import in_box, wheel_place
-from fsm_calib.world2d.slots import CREEP_SPEED, HALF_AXLE, OMEGA, V
+from fsm_calib.world2d.slots import HALF_AXLE, MASS, OMEGA, V
 
 
 @njit(error_model="numpy")
 def resist(P, o, S, m, W):
-    """Add the resistance of each wheel as a damper at its contact."""
+    """Add the resistance of each wheel at its contact."""
     for side in range(2):
         x, y = wheel_place(W, side)
         arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
         speed = S[V] - arm * S[OMEGA]
         drag = P[o] * in_box(x, y, P[o + 1], P[o + 2], P[o + 3], P[o + 4])
-        add_damper(W, 0.0, arm, drag / math.sqrt(speed * speed + CREEP_SPEED * CREEP_SPEED), 0.0)
+        add_dry_friction(W, 0.0, arm, 1.0, 0.0, speed, drag, 0.5 * W[MASS])
 
 
 EFFECT = Effect(

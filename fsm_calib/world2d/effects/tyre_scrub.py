@@ -13,14 +13,19 @@ import math
 
 from numba import njit
 
+from fsm_calib.world2d.dynamics import STEPS_TO_STOP, add_force
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.slots import CREEP_RATE, DAMP, OMEGA
+from fsm_calib.world2d.slots import CREEP_RATE, DAMP, INERTIA, OMEGA, STEP
 
 
 @njit(error_model="numpy")
 def scrub(P, o, S, m, W):
-    """Add the resistance as a damper of the yaw rate."""
-    W[DAMP + 5] += P[o] / math.sqrt(S[OMEGA] * S[OMEGA] + CREEP_RATE * CREEP_RATE)
+    """Add the moment; near standstill as a damper of the yaw rate."""
+    k = P[o] / math.sqrt(S[OMEGA] * S[OMEGA] + CREEP_RATE * CREEP_RATE)
+    if abs(S[OMEGA]) * W[INERTIA] > STEPS_TO_STOP * W[STEP] * P[o]:
+        add_force(W, 0.0, 0.0, -k * S[OMEGA])
+    else:
+        W[DAMP + 5] += k
 
 
 EFFECT = Effect(
