@@ -2,8 +2,9 @@
 
     python benchmarks/render.py
 
-Prints CPU times (median of 15) of rendering and exposing one frame, of our search for a board or markers in it and of
-OpenCV's plain search, and the ratio of the first two; then the error of the corners found in rendered frames.
+Prints CPU times (median of 15) of rendering and exposing one frame, of our search for a board or markers in
+it and of OpenCV's plain search, and the ratio of the first two; then the error of the corners found in
+rendered frames.
 """
 
 import math
@@ -12,7 +13,7 @@ import time
 import cv2
 import numpy as np
 
-from fsm_calib.perception.chessboard import find_board, find_boards
+from fsm_calib.perception.chessboard import find_board, find_boards, inspect_board
 from fsm_calib.perception.tags import find_tags
 from fsm_calib.types import BoardSpec, CameraMount, Pose2
 from fsm_calib.world2d.camera import Renderer, render
@@ -46,15 +47,21 @@ def costs():
     scene = build_scene(calibration_area(), np.random.default_rng(0))
     camera, settings, board = nominal_camera(), SensorSettings(), BoardSpec()
     renderer = Renderer(scene, camera, CameraMount(height=0.113))
-    print(f"{'view':22} {'draw':>6} {'expose':>7} {'find':>7} {'find all':>9} {'OpenCV':>7}   ms;  (draw + expose) / find")
+    print(
+        f"{'view':22} {'draw':>6} {'expose':>7} {'find':>7} {'find all':>9} {'OpenCV':>7}   ms;  (draw + expose) / find"
+    )
     for name, pose in PLACES.items():
         image = expose(renderer.ideal(pose), camera, settings, np.random.default_rng(0))
         draw = milliseconds(lambda pose=pose: renderer._draw(pose))
-        shoot = milliseconds(lambda pose=pose: expose(renderer.ideal(pose), camera, settings, np.random.default_rng(0)))
+        shoot = milliseconds(
+            lambda pose=pose: expose(renderer.ideal(pose), camera, settings, np.random.default_rng(0))
+        )
         if "boards" in name:
             find = milliseconds(lambda image=image: find_board(image, board))
             every = milliseconds(lambda image=image: find_boards(image, board))
-            plain = milliseconds(lambda image=image: cv2.findChessboardCorners(image, (board.columns, board.rows)))
+            plain = milliseconds(
+                lambda image=image: cv2.findChessboardCorners(image, (board.columns, board.rows))
+            )
         else:
             find = every = plain = milliseconds(lambda image=image: find_tags(image))
         ratio = (draw + shoot) / find
@@ -64,13 +71,15 @@ def costs():
 def corner_error(distance, lean, seed):
     placement = BoardPlacement(x=distance, yaw=math.pi + 0.3, lean=lean)
     camera, mount, rng = nominal_camera(), CameraMount(height=0.113), np.random.default_rng(seed)
-    image = render(build_scene(SceneSpec(boards=(placement,)), rng), camera, mount, [Pose2()], SensorSettings(), rng)
+    image = render(
+        build_scene(SceneSpec(boards=(placement,)), rng), camera, mount, [Pose2()], SensorSettings(), rng
+    )
     rotation, position = camera_pose(Pose2(), mount)
     rvec, _ = cv2.Rodrigues(rotation.T)
     truth, _ = cv2.projectPoints(
         board_points_world(placement), rvec, -rotation.T @ position, camera.matrix, camera.distortion
     )
-    view = find_board(image, placement.board)
+    view = inspect_board(image, placement.board).view
     if view is None:
         return math.nan
     truth = truth.reshape(-1, 2)
@@ -82,7 +91,9 @@ def accuracy():
     print("corners found against projectPoints of the truth, rms px over 8 noise seeds (largest):")
     for distance, lean in ((0.36, 90.0), (0.5, 0.0), (0.5, 30.0), (0.7, 0.0), (0.9, 15.0), (1.1, 0.0)):
         rms = [corner_error(distance, math.radians(lean), seed) for seed in range(8)]
-        print(f"  {distance:.2f} m, leaned {lean:2.0f} deg: {np.sqrt(np.mean(np.square(rms))):.3f} ({np.max(rms):.3f})")
+        print(
+            f"  {distance:.2f} m, leaned {lean:2.0f} deg: {np.sqrt(np.mean(np.square(rms))):.3f} ({np.max(rms):.3f})"
+        )
 
 
 if __name__ == "__main__":

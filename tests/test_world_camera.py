@@ -90,7 +90,8 @@ def test_marker_corners_found_agree_with_projected_truth_in_the_library_order():
     for quad, number in zip(corners, numbers.ravel(), strict=True):
         truth = project(marker_corners_world(markers[number]), camera, MOUNT, base)
         if np.min(np.linalg.norm(np.diff(truth[[0, 1, 2, 3, 0]], axis=0), axis=1)) > 60:
-            # smaller ones are drawn to the code inside by the refinement's window of 5 px. OpenCV's drawing is the library's turned by half a turn: its 1, 0, 3, 2 are the library's 0, 1, 2, 3
+            # smaller ones are drawn to the code inside by the refinement's window of 5 px; OpenCV draws a tag
+            # turned by half a turn: its corners 1, 0, 3, 2 are the library's 0, 1, 2, 3
             errors.append(quad.reshape(4, 2)[[1, 0, 3, 2]] - truth)
     error = np.concatenate(errors)
     assert len(errors) >= 2
@@ -99,7 +100,9 @@ def test_marker_corners_found_agree_with_projected_truth_in_the_library_order():
 
 
 def test_a_marker_looks_like_sixty_four_rays_a_pixel_traced_one_by_one():
-    scene = build_scene(SceneSpec(field=MarkerField(rows=3, columns=3, heading_sd=0.05)), np.random.default_rng(3))
+    scene = build_scene(
+        SceneSpec(field=MarkerField(rows=3, columns=3, heading_sd=0.05)), np.random.default_rng(3)
+    )
     base, camera, fine = Pose2(0.05, 0.05, math.pi - 0.3), nominal_camera(), 8
     marker = scene.markers[4]
     corners = project(marker_corners_world(marker), camera, MOUNT, base)
@@ -111,11 +114,17 @@ def test_a_marker_looks_like_sixty_four_rays_a_pixel_traced_one_by_one():
     rays = cv2.undistortPoints(pixels, camera.matrix, camera.distortion).reshape(-1, 2)
     rotation, position = camera_pose(base, MOUNT)
     directions = np.column_stack([rays, np.ones(len(rays))]) @ rotation.T
-    hits = position + directions * ((marker_corners_world(marker)[0, 2] - position[2]) / directions[:, 2])[:, None]
+    hits = (
+        position
+        + directions * ((marker_corners_world(marker)[0, 2] - position[2]) / directions[:, 2])[:, None]
+    )
     c, s = math.cos(marker.pose.theta), math.sin(marker.pose.theta)
     x, y = hits[:, 0] - marker.pose.x, hits[:, 1] - marker.pose.y
     cell = marker.size / 8
-    column, row = np.floor((c * x + s * y) / cell + 4).astype(int), np.floor(4 - (c * y - s * x) / cell).astype(int)
+    column, row = (
+        np.floor((c * x + s * y) / cell + 4).astype(int),
+        np.floor(4 - (c * y - s * x) / cell).astype(int),
+    )
     dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
     cells = np.rot90(cv2.aruco.generateImageMarker(dictionary, marker.tag_id, 8), 2) > 127
     inside = (row >= 0) & (row < 8) & (column >= 0) & (column < 8)
@@ -147,11 +156,15 @@ def test_a_lens_that_folds_in_the_middle_of_the_image_is_refused():
 def test_a_wall_hides_the_board_behind_it():
     board = BoardPlacement(x=0.8)
     bare = build_scene(SceneSpec(boards=(board,)), np.random.default_rng(0))
-    hidden = build_scene(SceneSpec(boards=(board,), walls=(Wall(0.5, 0.6, 0.5, -0.6),)), np.random.default_rng(0))
+    hidden = build_scene(
+        SceneSpec(boards=(board,), walls=(Wall(0.5, 0.6, 0.5, -0.6),)), np.random.default_rng(0)
+    )
     corners = project(board_points_world(board), nominal_camera(), MOUNT, Pose2()).round().astype(int)
     u0, v0 = corners.min(axis=0)
     u1, v1 = corners.max(axis=0)
-    pictures = [Renderer(scene, nominal_camera(), MOUNT).ideal(Pose2()).luma[v0:v1, u0:u1] for scene in (bare, hidden)]
+    pictures = [
+        Renderer(scene, nominal_camera(), MOUNT).ideal(Pose2()).luma[v0:v1, u0:u1] for scene in (bare, hidden)
+    ]
     assert np.ptp(pictures[0].astype(int)) > 150
     assert np.ptp(pictures[1].astype(int)) < 60
 

@@ -1,6 +1,7 @@
 """The default areas: what a robot at the start can see, reach and hit."""
 
 import math
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -15,7 +16,11 @@ from fsm_calib.world2d.obstacles import ROBOT_FRONT, ROBOT_WIDTH
 from fsm_calib.world2d.scene import MarkerField, Road
 from fsm_calib.world2d.surfaces import board_points_world, board_surface, build_scene
 
-LAYOUTS = {f"{kind.__name__} {count}": kind(count) for kind in (mixed_boards, upright_boards) for count in (1, 2, 3, 4)}
+LAYOUTS = {
+    f"{kind.__name__} {count}": kind(count)
+    for kind in (mixed_boards, upright_boards)
+    for count in (1, 2, 3, 4)
+}
 MOUNTS = [CameraMount(height=0.11, pitch=math.radians(angle)) for angle in (16.0, 22.0, 27.0)]
 
 
@@ -26,7 +31,9 @@ def corners_image(placement, mount, heading):
         return np.full((1, 2), -1.0)
     rvec, _ = cv2.Rodrigues(rotation.T)
     camera = nominal_camera()
-    return cv2.projectPoints(points, rvec, -rotation.T @ position, camera.matrix, camera.distortion)[0].reshape(-1, 2)
+    return cv2.projectPoints(points, rvec, -rotation.T @ position, camera.matrix, camera.distortion)[
+        0
+    ].reshape(-1, 2)
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
@@ -41,7 +48,9 @@ def test_every_board_lies_fully_in_view_from_at_least_ten_headings(name, mount):
 
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_a_robot_turning_on_either_wheel_touches_no_board(name):
-    reach = math.hypot(ROBOT_FRONT, ROBOT_WIDTH) + 0.05  # m, corner about the far wheel, and half an axle from the start
+    reach = (
+        math.hypot(ROBOT_FRONT, ROBOT_WIDTH) + 0.05
+    )  # m, corner about the far wheel, and half an axle from the start
     for placement in LAYOUTS[name]:
         if placement.kind != "flat":
             corners = board_surface(placement, 0).corners_world()[:, :2]
@@ -57,7 +66,7 @@ def test_boards_do_not_cover_each_other_as_seen_from_the_start(name):
         corners = board_surface(placement, 0).corners_world()
         angles = np.unwrap(np.arctan2(corners[:, 1], corners[:, 0]))
         spans.append((angles.min(), angles.max()))
-    assert all(before[1] < after[0] for before, after in zip(spans[:-1], spans[1:], strict=True))
+    assert all(before[1] < after[0] for before, after in pairwise(spans))
 
 
 def test_a_robot_driving_along_the_field_sees_markers_at_heading_zero():

@@ -209,7 +209,9 @@ def test_a_blurred_camera_loses_its_edges():
     sharp = world.robot.capture().image
     world.robot.wait(0.6)
     blurred = world.robot.capture().image
-    steepest = [np.percentile(np.abs(np.diff(image[..., 1].astype(int), axis=1)), 99.5) for image in (sharp, blurred)]
+    steepest = [
+        np.percentile(np.abs(np.diff(image[..., 1].astype(int), axis=1)), 99.5) for image in (sharp, blurred)
+    ]
     assert steepest[1] < 0.5 * steepest[0]
 
 

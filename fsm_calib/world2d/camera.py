@@ -1,9 +1,10 @@
 """The camera: renders what a lens sees of a scene, pixel by pixel, and exposes it.
 
-For every pixel the undistorted ray is known (`lens.ray_table`); a plane turns rays into texture coordinates by one
-3 x 3 matrix. Each surface is sampled on a grid of n x n rays per pixel, n chosen so that neighbouring samples are
-about one texture pixel apart at a halving of the texture fine enough not to blur, and the samples are averaged: edges
-come out anti-aliased and in their true places. While the robot moves, several poses of the exposure are averaged.
+For every pixel the undistorted ray is known (`lens.ray_table`); a plane turns rays into texture coordinates
+by one 3 x 3 matrix. Each surface is sampled on a grid of n x n rays per pixel, n chosen so that neighbouring
+samples are about one texture pixel apart at a halving of the texture fine enough not to blur, and the samples
+are averaged: edges come out anti-aliased and in their true places. While the robot moves, several poses of
+the exposure are averaged.
 """
 
 from __future__ import annotations
@@ -88,7 +89,9 @@ class Renderer:
     def light(self, poses: Sequence[Pose2]) -> Light:
         """Return the ideal image averaged over `poses`, evenly spaced in the exposure; at least one."""
         if not poses:
-            raise InputError("no pose to render", where="camera", cure="Give at least one pose of the exposure.")
+            raise InputError(
+                "no pose to render", where="camera", cure="Give at least one pose of the exposure."
+            )
         motion = self._image_motion(poses[0], poses[-1])
         if motion < _STILL or len(poses) == 1:
             return self.ideal(poses[len(poses) // 2])
@@ -173,7 +176,7 @@ def _draw_luma(image: Image, seen: Seen, box: Box, table: RayTable) -> None:
 
 
 def _draw_chroma(image: Image, seen: Seen, table: RayTable) -> None:
-    """Draw a surface's colours into `image` of half the resolution, in place; grey ones hide what is behind."""
+    """Draw a surface's colours into `image` of half the resolution, in place; grey ones hide what was."""
     x0, y0, x1, y1 = _halved(seen.box)
     texture = seen.surface.texture
     if texture.chroma is None and seen.surface.layer != "standing":
@@ -193,7 +196,9 @@ def _grey(shape: tuple[int, int]) -> Image:
 
 
 def _to_texels(seen: Seen, level: int) -> FloatArray:
-    """Return the map from rays to texture pixels of a level; texel t covers [t, t + 1), so centres are half a texel off."""
+    """Return the map from rays to texture pixels of a level; texel t covers [t, t + 1), so centres are half a
+    texel off.
+    """
     scale = seen.surface.texture.scale * 0.5**level
     matrix = seen.plane_from_ray * np.array([[scale], [scale], [1.0]])
     matrix[:2] -= 0.5 * matrix[2]
@@ -201,13 +206,15 @@ def _to_texels(seen: Seen, level: int) -> FloatArray:
 
 
 def _lookup(picture: Image, where: NDArray[Any], target: Image) -> None:
-    """Write samples of `picture` at `where` into `target`; places outside of the picture keep what is there."""
+    """Write samples of `picture` at `where` into `target`; places outside of it keep what is there."""
     none: Any = None  # the map is one array of pairs
     cv2.remap(picture, where, none, cv2.INTER_LINEAR, dst=target, borderMode=cv2.BORDER_TRANSPARENT)
 
 
 def _project(rays: NDArray[Any], matrix: FloatArray) -> NDArray[Any]:
-    """Return the texture coordinates of rays, shape (h, w, 2) [texture px]; far outside where the ray misses the plane."""
+    """Return the texture coordinates of rays, shape (h, w, 2) [texture px]; far outside where the ray misses
+    the plane.
+    """
     texels = cv2.perspectiveTransform(rays, matrix)
     corners = rays[[0, 0, -1, -1], [0, -1, 0, -1]].astype(float) @ matrix[2, :2] + matrix[2, 2]
     if corners.min() < 0.05 * np.abs(matrix[2]).max():
@@ -218,7 +225,9 @@ def _project(rays: NDArray[Any], matrix: FloatArray) -> NDArray[Any]:
 
 
 def _footprint(rays: NDArray[Any], box: Box, to_texels: FloatArray) -> tuple[float, float]:
-    """Return the texels of level 0 that a pixel covers at the box's centre, along the sharper and the slanted way."""
+    """Return the texels of level 0 that a pixel covers at the box's centre, along the sharper and the slanted
+    way.
+    """
     row, column = (box[1] + box[3]) // 2 + 1, (box[0] + box[2]) // 2 + 1
     points = []
     for x, y in (rays[row, column].tolist(), rays[row, column + 1].tolist(), rays[row + 1, column].tolist()):

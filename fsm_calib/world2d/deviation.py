@@ -1,8 +1,8 @@
 """How straight a calibrated robot drives: its deviation over 2 m, by driving the physics without noise.
 
-For small errors the path is an arc: with e = (v_left - v_right) / v the relative mismatch of the wheel speeds [1], s the
-path [m] and b the axle length [m], the deviation is  e s^2 / (2 b)  to the right. Duckietown's manual passes 0.10 m
-after 2 m, which is e = 0.5 %.
+For small errors the path is an arc: with e = (v_left - v_right) / v the relative mismatch of the wheel speeds
+[1], s the path [m] and b the axle length [m], the deviation is  e s^2 / (2 b)  to the right. Duckietown's
+manual passes 0.10 m after 2 m, which is e = 0.5 %.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ _SLOWEST = 0.02
 def straight_deviation(
     parameters: FloatArray, wheel_ratio: float, distance: float = TEST_DISTANCE, command: float = TEST_COMMAND
 ) -> float:
-    """Return the deviation [m], right positive, after `distance` [m] of path with commands (u, wheel_ratio u).
+    """Return the deviation [m], right positive, after `distance` [m] of path with commands (u, wheel_ratio
+    u).
 
     Parameters
     ----------

@@ -7,8 +7,8 @@ Sources, all from Duckietown's published calibration logs (dt-core, `log-calib-c
   anticorrelated (shipped and sample calibrations: -0.257, 0.045; -0.294, 0.070; -0.235, 0.036);
 - mounts of 41 robots, from their ground homographies: height 0.099 to 0.131 m, pitch 15.8 to 27.1 deg.
 
-Assumed, for want of data: roll 0.8 deg, axle length 2 mm, overall speed 8 % (standard deviations), focus blur 0.5 to
-0.9 px.
+Assumed, for want of data: roll 0.8 deg, axle length 2 mm, overall speed 8 % (standard deviations), focus blur
+0.5 to 0.9 px.
 """
 
 from __future__ import annotations
@@ -76,9 +76,10 @@ K2_RESIDUAL = 0.004
 class RobotSpec:
     """One robot as it truly is.
 
-    name; camera, mount : the true lens and where it sits; wheel_ratio : the true k, right command over left command
-    for driving straight; speed : all motor gains times this [1]; axle_length [m]; defocus : focus blur [px]; effects :
-    values of further parameters by full name (``battery_sag.per_charge``), as in `parameters.parameter_table`.
+    name; camera, mount : the true lens and where it sits; wheel_ratio : the true k, right command over left
+    command for driving straight; speed : all motor gains times this [1]; axle_length [m]; defocus : focus
+    blur [px]; effects : values of further parameters by full name (``battery_sag.per_charge``), as in
+    `parameters.parameter_table`.
     """
 
     name: str
@@ -93,11 +94,13 @@ class RobotSpec:
     def parameters(self) -> FloatArray:
         """Return the parameter vector of the physics, shape (p,), checked against its bounds.
 
-        Both gains share the difference, G_left = 2 k G / (1 + k), G_right = 2 G / (1 + k), so that the command
-        (u, k u) drives both wheels alike.
+        Both gains share the difference, G_left = 2 k G / (1 + k), G_right = 2 G / (1 + k), so that the
+        command (u, k u) drives both wheels alike.
         """
         if not (math.isfinite(self.wheel_ratio) and 0.2 <= self.wheel_ratio <= 5.0):
-            raise InputError(f"wheel_ratio is {self.wheel_ratio:g}", where="robot", cure="Use a value from 0.2 to 5.")
+            raise InputError(
+                f"wheel_ratio is {self.wheel_ratio:g}", where="robot", cure="Use a value from 0.2 to 5."
+            )
         table = parameter_table()
         vector = table.null.copy()
         nominal = vector[table.place("gain_left")] * self.speed
@@ -111,7 +114,9 @@ class RobotSpec:
 
 
 def nominal_camera() -> CameraModel:
-    """Return the median lens of 50 real robots (fx 316.2, fy 317.2, cx 320.4, cy 231.9 px; k1 -0.269, k2 0.050)."""
+    """Return the median lens of 50 real robots (fx 316.2, fy 317.2, cx 320.4, cy 231.9 px; k1 -0.269, k2
+    0.050).
+    """
     matrix = np.array([[316.2, 0.0, 320.4], [0.0, 317.2, 231.9], [0.0, 0.0, 1.0]])
     return CameraModel(matrix, np.array([-0.269, 0.050, 6e-4, 2e-4, 0.0]))
 

@@ -1,8 +1,9 @@
 """The calibration areas that come with the project: where boards, markers and the lane are by default.
 
-Which layout calibrates a camera well was computed from the Fisher information of the corners a turning robot sees:
-boards that face the robot upright leave focal length and centre weak, whatever their number; leaned and yawed ones
-are far better, and only a board on the floor fills the lower half of the image (docs/world.md, "Layout").
+Which layout calibrates a camera well was computed from the Fisher information of the corners a turning robot
+sees: boards that face the robot upright leave focal length and centre weak, whatever their number; leaned and
+yawed ones are far better, and only a board on the floor fills the lower half of the image (docs/world.md,
+"Layout").
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, SceneSpec
 
 @dataclass(frozen=True, slots=True)
 class _Spot:
-    """A place for a board as seen from the start: azimuth [deg], distance [m], turn from facing [deg], lean [deg]."""
+    """A place for a board as seen from the start: azimuth [deg], distance [m], turn from facing [deg], lean
+    [deg].
+    """
 
     azimuth: float
     distance: float
@@ -78,13 +81,15 @@ def upright_boards(count: int = 2, board: BoardSpec | None = None) -> tuple[Boar
         raise InputError(f"{count} boards asked for", where="boards", cure="Ask for 1 to 6.")
     step = min(55.0, 230.0 / max(count - 1, 1))
     spots = [
-        _Spot(step * (index - 0.5 * (count - 1)), _UPRIGHT_DISTANCES[index % 4], 0.0, 0.0) for index in range(count)
+        _Spot(step * (index - 0.5 * (count - 1)), _UPRIGHT_DISTANCES[index % 4], 0.0, 0.0)
+        for index in range(count)
     ]
     return tuple(_place(spot, board) for spot in spots)
 
 
 def lane_beyond(field: MarkerField, **changes: object) -> Road:
-    """Return the road that crosses beyond the end of `field`: its white line lies just after the last markers.
+    """Return the road that crosses beyond the end of `field`: its white line lies just after the last
+    markers.
 
     The right lane's centre is then about 0.23 m beyond the last column; traffic runs towards +y.
     """
@@ -95,9 +100,11 @@ def lane_beyond(field: MarkerField, **changes: object) -> Road:
 
 
 def calibration_area(
-    boards: tuple[BoardPlacement, ...] | None = None, field: MarkerField | None = None, road: Road | None = None
+    boards: tuple[BoardPlacement, ...] | None = None,
+    field: MarkerField | None = None,
+    road: Road | None = None,
 ) -> SceneSpec:
-    """Return the default area: three mixed boards ahead, the marker field behind, the marked lane beyond it."""
+    """Return the default area: 3 mixed boards ahead, the marker field behind, the marked lane beyond it."""
     field = field or MarkerField()
     return SceneSpec(
         boards=mixed_boards() if boards is None else boards,

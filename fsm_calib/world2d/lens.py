@@ -5,16 +5,15 @@ With a ray (x, y) = (X / Z, Y / Z), r2 = x^2 + y^2 and OpenCV's coefficients, th
     c  = (1 + k1 r2 + k2 r2^2 + k3 r2^3) / (1 + k4 r2 + k5 r2^2 + k6 r2^3)
     u  = fx (c x + 2 p1 x y + p2 (r2 + 2 x^2)) + cx,    v = fy (c y + p1 (r2 + 2 y^2) + 2 p2 x y) + cy    [px]
 
-and its inverse is found by Newton's method from a radial table. A lens model can fold: beyond some radius c r falls
-again. No light arrives at the pixels beyond the fold; they stay black. Source: OpenCV, Camera Calibration and 3D
-Reconstruction; Brown, Close-range camera calibration, 1971.
+and its inverse is found by Newton's method from a radial table. A lens model can fold: beyond some radius c r
+falls again. No light arrives at the pixels beyond the fold; they stay black. Source: OpenCV, Camera
+Calibration and 3D Reconstruction; Brown, Close-range camera calibration, 1971.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-
 from typing import Any
 
 import cv2
@@ -28,7 +27,9 @@ _WIDEST = math.tan(math.radians(86.0))
 """Largest |ray| that is drawn [1]: 86 deg off the axis."""
 _NEWTON_STEPS = 12
 _LEAST_SLOPE = 0.02
-"""Smallest d(c r)/dr that still counts as seeing [1]; below it a pixel covers more than fifty times the centre's angle."""
+"""Smallest d(c r)/dr that still counts as seeing [1]; below it a pixel covers more than fifty times the
+centre's angle.
+"""
 _MAX_BLIND = 0.05
 """Share of the pixels that may lie beyond the fold."""
 
@@ -37,8 +38,9 @@ _MAX_BLIND = 0.05
 class RayTable:
     """The rays of a camera's pixels.
 
-    rays : float32, shape (height + 2, width + 2, 2), (x, y) of each pixel centre with one row or column more on each
-    side, clipped to 86 deg; coarse : float32, (ceil(height / 2), ceil(width / 2), 2), the mean ray of 2 x 2 pixels; blind : bool, shape (height, width), pixels without a ray; widest : largest |ray| [1].
+    rays : float32, shape (height + 2, width + 2, 2), (x, y) of each pixel centre with one row or column more
+    on each side, clipped to 86 deg; coarse : float32, (ceil(height / 2), ceil(width / 2), 2), the mean ray of
+    2 x 2 pixels; blind : bool, shape (height, width), pixels without a ray; widest : largest |ray| [1].
     """
 
     camera: CameraModel
@@ -86,26 +88,36 @@ def _radial_table(camera: CameraModel) -> tuple[FloatArray, FloatArray]:
 def sees_everywhere(camera: CameraModel) -> bool:
     """Tell whether every pixel of the image has a ray: the lens does not fold before the farthest corner."""
     fx, fy, cx, cy = camera.matrix[0, 0], camera.matrix[1, 1], camera.matrix[0, 2], camera.matrix[1, 2]
-    corners = [math.hypot((u - cx) / fx, (v - cy) / fy) for u in (0, camera.width - 1) for v in (0, camera.height - 1)]
+    corners = [
+        math.hypot((u - cx) / fx, (v - cy) / fy)
+        for u in (0, camera.width - 1)
+        for v in (0, camera.height - 1)
+    ]
     return max(corners) <= float(_radial_table(camera)[1][-1])
 
 
 def _newton(camera: CameraModel, target: FloatArray, start: FloatArray) -> FloatArray:
-    """Refine rays (2, n) so that their distorted coordinates are `target` (2, n); derivative by central differences."""
+    """Refine rays (2, n) so that their distorted coordinates are `target` (2, n); derivative by central
+    differences.
+    """
     ray, step = start.copy(), 1e-6
     for _ in range(_NEWTON_STEPS):
         error = np.array(distort_rays(camera, *ray)) - target
         if float(np.max(np.abs(error))) < 1e-10:
             break
-        dx = (np.array(distort_rays(camera, ray[0] + step, ray[1])) - distort_rays(camera, ray[0] - step, ray[1])) / (
-            2.0 * step
-        )
-        dy = (np.array(distort_rays(camera, ray[0], ray[1] + step)) - distort_rays(camera, ray[0], ray[1] - step)) / (
-            2.0 * step
-        )
+        dx = (
+            np.array(distort_rays(camera, ray[0] + step, ray[1]))
+            - distort_rays(camera, ray[0] - step, ray[1])
+        ) / (2.0 * step)
+        dy = (
+            np.array(distort_rays(camera, ray[0], ray[1] + step))
+            - distort_rays(camera, ray[0], ray[1] - step)
+        ) / (2.0 * step)
         determinant = dx[0] * dy[1] - dx[1] * dy[0]
         determinant = np.where(np.abs(determinant) < 1e-4, 1e-4, determinant)
-        move = np.array([dy[1] * error[0] - dy[0] * error[1], dx[0] * error[1] - dx[1] * error[0]]) / determinant
+        move = (
+            np.array([dy[1] * error[0] - dy[0] * error[1], dx[0] * error[1] - dx[1] * error[0]]) / determinant
+        )
         ray -= np.clip(move, -0.2, 0.2)
     return ray
 
@@ -121,7 +133,9 @@ def ray_table(camera: CameraModel) -> RayTable:
     fx, fy, cx, cy = camera.matrix[0, 0], camera.matrix[1, 1], camera.matrix[0, 2], camera.matrix[1, 2]
     values = np.concatenate([camera.matrix.ravel(), camera.distortion])
     if not (np.all(np.isfinite(values)) and fx > 0.0 and fy > 0.0):
-        raise InputError("the camera's matrix or distortion is not usable", where="camera", cure="Give finite numbers.")
+        raise InputError(
+            "the camera's matrix or distortion is not usable", where="camera", cure="Give finite numbers."
+        )
     v, u = np.mgrid[-1 : camera.height + 1, -1 : camera.width + 1].astype(float)
     target = np.array([((u - cx) / fx).ravel(), ((v - cy) / fy).ravel()])
     radius, curve = _radial_table(camera)
@@ -142,14 +156,16 @@ def ray_table(camera: CameraModel) -> RayTable:
     rays.setflags(write=False)
     half = ((camera.width + 1) // 2, (camera.height + 1) // 2)
     coarse = cv2.resize(rays[1:-1, 1:-1], half, interpolation=cv2.INTER_AREA)
-    return RayTable(camera, rays, coarse, read_only(blind, bool), float(np.hypot(rays[..., 0], rays[..., 1]).max()))
+    return RayTable(
+        camera, rays, coarse, read_only(blind, bool), float(np.hypot(rays[..., 0], rays[..., 1]).max())
+    )
 
 
 def camera_pose(base: Pose2, mount: CameraMount) -> tuple[FloatArray, FloatArray]:
     """Return the rotation world_from_camera (3, 3) and the camera's position in `world` (3,) [m].
 
-    R = Rz(theta + yaw) Ry(pitch) Rx(roll) P, where P's columns are the axes of a level camera (x right, y down,
-    z forward) in `base`; a positive pitch looks down, a positive roll lowers the camera's right side.
+    R = Rz(theta + yaw) Ry(pitch) Rx(roll) P, where P's columns are the axes of a level camera (x right, y
+    down, z forward) in `base`; a positive pitch looks down, a positive roll lowers the camera's right side.
     """
     level = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     turn = base.theta + mount.yaw
@@ -160,6 +176,10 @@ def camera_pose(base: Pose2, mount: CameraMount) -> tuple[FloatArray, FloatArray
     roll = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
     c, s = math.cos(base.theta), math.sin(base.theta)
     position = np.array(
-        [base.x + c * mount.forward - s * mount.left, base.y + s * mount.forward + c * mount.left, mount.height]
+        [
+            base.x + c * mount.forward - s * mount.left,
+            base.y + s * mount.forward + c * mount.left,
+            mount.height,
+        ]
     )
     return yaw @ pitch @ roll @ level, position

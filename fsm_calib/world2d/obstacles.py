@@ -1,8 +1,8 @@
 """Collision shapes: what of the scene stops the robot, and the robot's own outline, in pymunk.
 
-Standing boards stop the robot as far up as the robot is high; a leaned one with the strip of floor under it. Boards on
-the floor and markers are paper and stop nothing. Lengths in metres; a slop of 0.1 mm replaces pymunk's default of 0.1,
-which is meant for pixels.
+Standing boards stop the robot as far up as the robot is high; a leaned one with the strip of floor under it.
+Boards on the floor and markers are paper and stop nothing. Lengths in metres; a slop of 0.1 mm replaces
+pymunk's default of 0.1, which is meant for pixels.
 """
 
 from __future__ import annotations
@@ -76,12 +76,19 @@ def _add_board(space: pymunk.Space, spec: SceneSpec, index: int) -> list[pymunk.
 
 
 def add_scene(space: pymunk.Space, spec: SceneSpec) -> list[pymunk.Shape]:
-    """Put the scene's boards, walls and hall into `space`; return the shapes, to be taken away when the scene changes."""
+    """Put the scene's boards, walls and hall into `space`; return the shapes, to be taken away when the scene
+    changes.
+    """
     shapes: list[pymunk.Shape] = []
     for index in range(len(spec.boards)):
         shapes += _add_board(space, spec, index)
     (half_x, half_y), (cx, cy) = spec.room, spec.room_centre
-    corners = [(cx - half_x, cy - half_y), (cx + half_x, cy - half_y), (cx + half_x, cy + half_y), (cx - half_x, cy + half_y)]
+    corners = [
+        (cx - half_x, cy - half_y),
+        (cx + half_x, cy - half_y),
+        (cx + half_x, cy + half_y),
+        (cx - half_x, cy + half_y),
+    ]
     hall = [Wall(*corners[i], *corners[(i + 1) % 4]) for i in range(4)]
     for wall in (*spec.walls, *hall):
         shapes += add_wall(space, wall)

@@ -1,8 +1,9 @@
 """The simulated robot behind the port, and the world around it.
 
-Time runs in whole steps of a fixed length. Everything random is drawn from generators made of the seed and of what it
-belongs to, a frame's number or a step's block, never from a running one: rendering fewer frames changes nothing that
-comes later, and a logged list of commands, driven again without rendering, gives the same state bit for bit.
+Time runs in whole steps of a fixed length. Everything random is drawn from generators made of the seed and of
+what it belongs to, a frame's number or a step's block, never from a running one: rendering fewer frames
+changes nothing that comes later, and a logged list of commands, driven again without rendering, gives the
+same state bit for bit.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ _NOISE_STREAM = 1
 
 @dataclass(frozen=True, slots=True)
 class Wear:
-    """A wheel ratio that drifts while driving: relative change per metre [1/m], up to `limit` [1] in either direction.
+    """A wheel ratio that drifts while driving: relative change per metre [1/m], up to `limit` [1] in either
+    direction.
 
     Gearbox and coating wear (paper section 5.2), made fast enough to be seen in one run.
     """
@@ -50,9 +52,10 @@ class Wear:
 class WorldSettings:
     """How the world is simulated.
 
-    step [s]; command_limit : largest command that the driver lets through [1] (Duckietown's limit); drive_noise :
-    relative standard deviation of each wheel's answer, drawn anew every `noise_period` [s] and interpolated between
-    (assumed: small unevenness of floor and gears); trace_period : spacing of the true path that is kept [s].
+    step [s]; command_limit : largest command that the driver lets through [1] (Duckietown's limit);
+    drive_noise : relative standard deviation of each wheel's answer, drawn anew every `noise_period` [s] and
+    interpolated between (assumed: small unevenness of floor and gears); trace_period : spacing of the true
+    path that is kept [s].
     """
 
     step: float = LONGEST_STEP
@@ -92,7 +95,9 @@ class WorldSpec:
 class SimulatedRobot:
     """A robot as the actions know it (`ports.Robot`): wheels, camera and clock, and no way to the truth."""
 
-    def __init__(self, motion: Motion, shutter: Shutter, settings: WorldSettings, faults: tuple[Fault, ...]) -> None:
+    def __init__(
+        self, motion: Motion, shutter: Shutter, settings: WorldSettings, faults: tuple[Fault, ...]
+    ) -> None:
         self.__motion, self.__shutter, self.__settings = motion, shutter, settings
         self.__dead = tuple(fault for fault in faults if isinstance(fault, DeadWheel))
         self.__command = STOP
@@ -119,7 +124,9 @@ class SimulatedRobot:
         if not (math.isfinite(command.left) and math.isfinite(command.right)):
             raise InputError(f"wheel command ({command.left}, {command.right}) is not finite", where="robot")
         limit = self.__settings.command_limit
-        self.__command = WheelCommand(*(max(-limit, min(limit, side)) for side in (command.left, command.right)))
+        self.__command = WheelCommand(
+            *(max(-limit, min(limit, side)) for side in (command.left, command.right))
+        )
         self.__log.append((self.now(), self.__command))
 
     def capture(self) -> Frame | None:
@@ -176,7 +183,9 @@ class SimulatedRobot:
         check_range("time", time, 0.0, math.inf if math.isfinite(time) else 0.0)
         ticks = round(time / self.__settings.step) - self.__motion.ticks
         if ticks < 0:
-            raise InputError(f"a logged time of {time:g} s is past", where="fast_forward", cure="Start a fresh world.")
+            raise InputError(
+                f"a logged time of {time:g} s is past", where="fast_forward", cure="Start a fresh world."
+            )
         self.__run(ticks)
 
 

@@ -1,9 +1,9 @@
 """What stands and lies in the calibration area, as frozen specifications; nothing here draws or moves.
 
-The robot starts at the origin of `world`, facing +x. Chessboards stand in a semicircle ahead; behind the robot lies
-the field of floor markers, along which it drives towards -x; beyond the field's end a lane crosses at a right angle
-and runs towards +y, with a row of markers in its middle for refinement (paper sections 3.2-3.4, 5.1, 5.2, figures 5
-and 6). Lengths are metres, angles radians.
+The robot starts at the origin of `world`, facing +x. Chessboards stand in a semicircle ahead; behind the
+robot lies the field of floor markers, along which it drives towards -x; beyond the field's end a lane crosses
+at a right angle and runs towards +y, with a row of markers in its middle for refinement (paper sections
+3.2-3.4, 5.1, 5.2, figures 5 and 6). Lengths are metres, angles radians.
 """
 
 from __future__ import annotations
@@ -22,9 +22,12 @@ MARKER_SIZE = 0.065
 MARKER_PITCH = 0.15
 """Distance of neighbouring markers [m]: paper section 3.3, "about 15 cm"."""
 FIELD_FIRST_ID = 300
-"""First number of the markers printed for the floor, 300 to 399 (Duckietown's tag list, localization range)."""
+"""First number of the markers printed for the floor, 300 to 399 (Duckietown's tag list, localization range).
+"""
 LANE_FIRST_ID = 280
-"""Reserved number of the first marker of a marked lane section, from 265 to 299, which Duckietown leaves unassigned."""
+"""Reserved number of the first marker of a marked lane section, from 265 to 299, which Duckietown leaves
+unassigned.
+"""
 TILE = 0.585
 """Side of a road tile [m]: Duckietown maps."""
 FLAT_CLEARANCE = 0.0005
@@ -35,10 +38,10 @@ FLAT_CLEARANCE = 0.0005
 class BoardPlacement:
     """A chessboard in the area.
 
-    x, y : centre of the squares in `world` [m]; z : its height [m], None for a board that stands or lies on the
-    floor. yaw : heading of the horizontal part of the printed face's normal [rad]; for a flat board, whose normal is
-    up, it is the side from which the print reads upright. lean : how far the face is turned up [rad]: 0 stands
-    upright, pi/2 lies flat. margin : white border around the squares [m].
+    x, y : centre of the squares in `world` [m]; z : its height [m], None for a board that stands or lies on
+    the floor. yaw : heading of the horizontal part of the printed face's normal [rad]; for a flat board,
+    whose normal is up, it is the side from which the print reads upright. lean : how far the face is turned
+    up [rad]: 0 stands upright, pi/2 lies flat. margin : white border around the squares [m].
     """
 
     board: BoardSpec = field(default_factory=BoardSpec)
@@ -76,10 +79,11 @@ class BoardPlacement:
 class MarkerField:
     """Rows and columns of tag36h11 on the floor; rows run along the driving direction (towards -x).
 
-    first_x : x of the column nearest to the start [m]; heading : heading of every marker's x axis [rad], so that a
-    robot that drives towards -x sees 0; spacing_sd : irregular placement [m]; heading_sd : orientation error [rad];
-    missing : numbers of markers that are not there. Numbers grow along a row from `first_id`, row by row from the
-    robot's right hand (+y) as it drives.
+    first_x : x of the column nearest to the start [m]; heading : heading of every marker's x axis [rad], so
+    that a robot that drives towards -x sees 0; spacing_sd : irregular placement [m]; heading_sd : orientation
+    error [rad];
+    missing : numbers of markers that are not there. Numbers grow along a row from `first_id`, row by row from
+    the robot's right hand (+y) as it drives.
     """
 
     rows: int = 9
@@ -102,7 +106,7 @@ class MarkerField:
 
     @property
     def last_x(self) -> float:
-        """x of the last column [m]."""
+        """Where the last column lies along x [m]."""
         return self.first_x - (self.columns - 1) * self.pitch
 
 
@@ -111,9 +115,10 @@ class Road:
     """A straight road of one lane each way (Duckietown appearance specification; right-hand traffic).
 
     start : pose of the right lane's centre line where the road begins, heading along the traffic; length [m];
-    white_width, yellow_width : line widths [m]; dash, gap of the yellow line [m]; lane_width : between the lines [m].
-    markers : number of refinement markers in the lane's middle, the first one `first_marker` [m] along the lane and
-    with the reserved number `first_id`; marker_pitch and marker_heading_sd as in `MarkerField`.
+    white_width, yellow_width : line widths [m]; dash, gap of the yellow line [m]; lane_width : between the
+    lines [m].
+    markers : number of refinement markers in the lane's middle, the first one `first_marker` [m] along the
+    lane and with the reserved number `first_id`; marker_pitch and marker_heading_sd as in `MarkerField`.
     """
 
     start: Pose2 = field(default_factory=lambda: Pose2(-1.9, -TILE, math.pi / 2.0))
@@ -137,7 +142,9 @@ class Road:
             check_range(name, getattr(self, name), 1e-3, 50.0)
         if self.markers and self.first_marker + (self.markers - 1) * self.marker_pitch > self.length:
             raise InputError(
-                "the lane's markers reach beyond its end", where="road", cure="Lengthen the road or take fewer markers."
+                "the lane's markers reach beyond its end",
+                where="road",
+                cure="Lengthen the road or take fewer markers.",
             )
 
     @property
@@ -167,8 +174,8 @@ class Wall:
 class SceneSpec:
     """Everything that can be seen or hit.
 
-    boards : counted counter-clockwise, from the robot's right to its left; room : half width and half length of the
-    hall around the centre `room_centre` [m], whose walls are the background.
+    boards : counted counter-clockwise, from the robot's right to its left; room : half width and half length
+    of the hall around the centre `room_centre` [m], whose walls are the background.
     """
 
     boards: tuple[BoardPlacement, ...] = ()
@@ -181,7 +188,9 @@ class SceneSpec:
 
     @property
     def exit_advance(self) -> float:
-        """From the last column of the field to the lane's centre line, along -x [m]; 0 when either is missing."""
+        """From the last column of the field to the lane's centre line, along -x [m]; 0 when either is
+        missing.
+        """
         if self.field is None or self.road is None:
             return 0.0
         return self.field.last_x - self.road.start.x
@@ -189,7 +198,9 @@ class SceneSpec:
     def without_board(self, index: int) -> SceneSpec:
         """Return the scene with one board taken away."""
         if not 0 <= index < len(self.boards):
-            raise InputError(f"there is no board {index}", where="scene", cure=f"Boards: 0 to {len(self.boards) - 1}.")
+            raise InputError(
+                f"there is no board {index}", where="scene", cure=f"Boards: 0 to {len(self.boards) - 1}."
+            )
         return replace(self, boards=self.boards[:index] + self.boards[index + 1 :])
 
     def without_markers(self, numbers: tuple[int, ...] | None = None) -> SceneSpec:

@@ -2,12 +2,14 @@
 
     picture = JPEG( round( g(u, v) * blur(light) + sqrt(read^2 + shot * level) * n ) )
 
-with g the vignette (1 at the centre), blur a Gaussian of `defocus` [px], read [grey levels] and shot [grey levels]
-the two noise parts and n a standard normal field, on the luma
-alone (what JPEG leaves of colour noise is small). Assumes that averaging in grey levels is averaging of light (no gamma), which keeps edges in their places.
+with g the vignette (1 at the centre), blur a Gaussian of `defocus` [px], read [grey levels] and shot [grey
+levels] the two noise parts and n a standard normal field, on the luma alone (what JPEG leaves of colour noise
+is small). Assumes that averaging in grey levels is averaging of light (no gamma), which keeps edges in their
+places.
 
-The normal field is cut from a bank drawn once with a fixed seed: two windows at places that the frame's generator
-draws are added, so that no two frames share a field and a frame costs microseconds of random numbers.
+The normal field is cut from a bank drawn once with a fixed seed: two windows at places that the frame's
+generator draws are added, so that no two frames share a field and a frame costs microseconds of random
+numbers.
 """
 
 from __future__ import annotations
@@ -15,7 +17,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-
 from typing import Any
 
 import cv2
@@ -32,7 +33,9 @@ _BANK = 1024
 
 @dataclass(frozen=True, eq=False)
 class Light:
-    """What reaches the sensor: luma, uint8 (height, width); chroma, uint8 (half height, half width, 2) Cr and Cb."""
+    """What reaches the sensor: luma, uint8 (height, width); chroma, uint8 (half height, half width, 2) Cr and
+    Cb.
+    """
 
     luma: Image
     chroma: Image
@@ -42,9 +45,10 @@ class Light:
 class SensorSettings:
     """How the camera turns light into a file.
 
-    defocus : standard deviation of the blur [px] (0.5 to 0.7 in focus); exposure : time the shutter is open [s]
-    (Pi camera in "sports" mode, indoors: about 8 ms); read_noise [grey levels]; shot_noise : variance per grey level
-    [grey levels]; vignette : loss of light at the image corner [1]; brightness : scale of all light [1];
+    defocus : standard deviation of the blur [px] (0.5 to 0.7 in focus); exposure : time the shutter is open
+    [s] (Pi camera in "sports" mode, indoors: about 8 ms); read_noise [grey levels]; shot_noise : variance per
+    grey level [grey levels]; vignette : loss of light at the image corner [1]; brightness : scale of all
+    light [1];
     jpeg_quality : 1 to 100, 0 leaves JPEG out.
     """
 
@@ -76,7 +80,9 @@ def _noise_bank() -> NDArray[Any]:
 
 
 def noise_field(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[Any]:
-    """Return a standard normal field of `shape` (height, width) at most 1024 x 1024: the sum of two windows of the bank."""
+    """Return a standard normal field of `shape` (height, width) at most 1024 x 1024: the sum of two windows
+    of the bank.
+    """
     bank = _noise_bank()
     tops, lefts = rng.integers(0, 2 * _BANK - shape[0], 2), rng.integers(0, 2 * _BANK - shape[1], 2)
     first, second = (bank[t : t + shape[0], x : x + shape[1]] for t, x in zip(tops, lefts, strict=True))

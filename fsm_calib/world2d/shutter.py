@@ -38,7 +38,9 @@ def _changed(scene: SceneSpec, fault: Fault, boards: tuple[int, ...]) -> tuple[S
     """Return the scene after a fault, and the original numbers of the boards that are left."""
     if isinstance(fault, MissingBoard):
         if fault.board not in boards:
-            raise InputError(f"there is no board {fault.board}", where="faults", cure=f"Boards: {list(boards)}.")
+            raise InputError(
+                f"there is no board {fault.board}", where="faults", cure=f"Boards: {list(boards)}."
+            )
         place = boards.index(fault.board)
         return scene.without_board(place), boards[:place] + boards[place + 1 :]
     if isinstance(fault, MissingMarkers):

@@ -1,8 +1,8 @@
 """A scene as textured rectangles in space, ready to be looked at.
 
-A surface's frame has its origin at the picture's upper left, u along the picture's rows, v down its columns and its
-normal u x v into the picture, away from who reads it. `world_from_plane` holds (u, v, origin) as columns: a plane
-point (a, b) [m] is at  a u + b v + origin  in `world`.
+A surface's frame has its origin at the picture's upper left, u along the picture's rows, v down its columns
+and its normal u x v into the picture, away from who reads it. `world_from_plane` holds (u, v, origin) as
+columns: a plane point (a, b) [m] is at  a u + b v + origin  in `world`.
 """
 
 from __future__ import annotations
@@ -47,7 +47,9 @@ class Surface:
         return np.cross(self.world_from_plane[:, 0], self.world_from_plane[:, 1])
 
     def corners_world(self) -> FloatArray:
-        """The rectangle's corners in `world`, shape (4, 3) [m], from the picture's upper left round to the right."""
+        """The rectangle's corners in `world`, shape (4, 3) [m], from the picture's upper left round to the
+        right.
+        """
         width, height = self.texture.size
         plane = np.array([[0, 0, 1], [width, 0, 1], [width, height, 1], [0, height, 1]], dtype=float)
         return plane @ self.world_from_plane.T
@@ -55,7 +57,9 @@ class Surface:
 
 @dataclass(frozen=True, slots=True)
 class Marker:
-    """A marker that lies on the floor: its number, the pose of its centre and x axis in `world`, its side [m]."""
+    """A marker that lies on the floor: its number, the pose of its centre and x axis in `world`, its side
+    [m].
+    """
 
     tag_id: int
     pose: Pose2
@@ -81,7 +85,7 @@ def board_axes(placement: BoardPlacement) -> tuple[FloatArray, FloatArray, Float
 
 
 def board_points_world(placement: BoardPlacement) -> FloatArray:
-    """Return the inner corners in `world`, shape (rows * columns, 3) [m], in `BoardSpec.points_board` order."""
+    """Return the inner corners in `world`, shape (rows * columns, 3) [m], ordered as `points_board`."""
     right, down, _ = board_axes(placement)
     board = placement.board
     points = board.points_board()
@@ -143,7 +147,9 @@ def field_markers(field: MarkerField, rng: np.random.Generator) -> tuple[Marker,
 
 
 def lane_markers(road: Road, rng: np.random.Generator) -> tuple[Marker, ...]:
-    """Return the refinement markers in the lane's middle, co-directed with the traffic, the reserved number first."""
+    """Return the refinement markers in the lane's middle, co-directed with the traffic, the reserved number
+    first.
+    """
     noise = rng.standard_normal((road.markers, 3))
     return tuple(
         Marker(
@@ -184,9 +190,16 @@ def wall_surface(wall: Wall, name: str, layer: Layer = "standing", seed: int = 5
 def room_surfaces(spec: SceneSpec) -> tuple[Surface, ...]:
     """Return the hall's four walls and its floor."""
     (half_x, half_y), (cx, cy) = spec.room, spec.room_centre
-    ring = [(cx - half_x, cy + half_y), (cx + half_x, cy + half_y), (cx + half_x, cy - half_y), (cx - half_x, cy - half_y)]
+    ring = [
+        (cx - half_x, cy + half_y),
+        (cx + half_x, cy + half_y),
+        (cx + half_x, cy - half_y),
+        (cx - half_x, cy - half_y),
+    ]
     walls = [
-        wall_surface(Wall(*ring[i], *ring[(i + 1) % 4], spec.room_height, "plaster"), f"room {i}", "room", 40 + i)
+        wall_surface(
+            Wall(*ring[i], *ring[(i + 1) % 4], spec.room_height, "plaster"), f"room {i}", "room", 40 + i
+        )
         for i in range(4)
     ]
     texture = floor_texture(2.0 * half_x, 2.0 * half_y)
@@ -196,14 +209,21 @@ def room_surfaces(spec: SceneSpec) -> tuple[Surface, ...]:
 
 
 def bake_floor(floor: Surface, decals: list[Surface]) -> Surface:
-    """Return the floor with every print drawn into its picture, for views so distant that the prints' own is too fine."""
+    """Return the floor with every print drawn into its picture, for views so distant that the prints' own is
+    too fine.
+    """
     scale = floor.texture.scale
     image = floor.texture.luma[0].copy()
     plane_from_world = np.linalg.inv(_flat(floor.world_from_plane))
     for decal in decals:
         level = min(int(max(0.0, math.log2(decal.texture.scale / scale))), len(decal.texture.luma) - 1)
         picture, fine = decal.texture.luma[level], decal.texture.scale / 2**level
-        matrix = np.diag([scale, scale, 1.0]) @ plane_from_world @ _flat(decal.world_from_plane) / np.array([fine, fine, 1.0])
+        matrix = (
+            np.diag([scale, scale, 1.0])
+            @ plane_from_world
+            @ _flat(decal.world_from_plane)
+            / np.array([fine, fine, 1.0])
+        )
         height, width = picture.shape[:2]
         corners = matrix[:2] @ np.array([[0, width, width, 0], [0, 0, height, height], [1, 1, 1, 1]])
         x0, y0 = np.clip(np.floor(corners.min(axis=1)).astype(int), 0, None)

@@ -1,15 +1,14 @@
 """Pictures of the things in the area: chessboards, markers, floor, road, walls, each at a known scale.
 
-A texture is an 8-bit image whose pixel (0, 0) covers the square from (0, 0) to (1, 1) / scale [m] of its plane;
-u runs to the right and v down. Prints are not pure black on white: ink 25 to 40, paper 215 to 230 of 255, as in
-photographs of printed boards.
+A texture is an 8-bit image whose pixel (0, 0) covers the square from (0, 0) to (1, 1) / scale [m] of its
+plane; u runs to the right and v down. Prints are not pure black on white: ink 25 to 40, paper 215 to 230 of
+255, as in photographs of printed boards.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-
 from typing import Any
 
 import cv2
@@ -48,8 +47,8 @@ SHADES_BGR = {"wood": (120.0, 165.0, 196.0), "plaster": (168.0, 172.0, 176.0), "
 class Texture:
     """A picture of a plane and its halvings: level n has 1 / 2**n of the scale [px/m] of level 0.
 
-    luma : grey images; chroma : (Cr, Cb) images, 128 neutral, or None for a grey picture. Colour is rendered at half
-    the image's resolution, as JPEG keeps it (4:2:0).
+    luma : grey images; chroma : (Cr, Cb) images, 128 neutral, or None for a grey picture. Colour is rendered
+    at half the image's resolution, as JPEG keeps it (4:2:0).
     """
 
     luma: tuple[Image, ...]
@@ -66,7 +65,8 @@ class Texture:
 def halvings(image: Image, count: int = 6) -> tuple[Image, ...]:
     """Return `image` and its halvings by averaging 2 x 2 pixels.
 
-    Sides that do not divide are repeated at the edge, so that a halving may be longer by a part of its last pixel.
+    Sides that do not divide are repeated at the edge, so that a halving may be longer by a part of its last
+    pixel.
     """
     while min(image.shape[:2]) < 2**count and count > 0:
         count -= 1
@@ -91,7 +91,9 @@ def make_texture(image: Image, scale: float) -> Texture:
 
 @lru_cache(maxsize=16)
 def board_texture(board: BoardSpec, margin: float) -> Texture:
-    """Return a printed chessboard with a white margin [m]; a dark square is at the first inner corner's upper left."""
+    """Return a printed chessboard with a white margin [m]; a dark square is at the first inner corner's upper
+    left.
+    """
     scale = BOARD_TEXELS / board.square
     squares = np.indices((board.rows + 1, board.columns + 1)).sum(axis=0) % 2
     cells = np.where(squares == 0, INK, PAPER)
@@ -114,8 +116,12 @@ def tag_texture(tag_id: int, size: float) -> Texture:
     return make_texture(sheet.astype(np.uint8), side / size)
 
 
-def _grain(shape: tuple[int, int], sigmas: tuple[float, ...], weights: tuple[float, ...], seed: int) -> NDArray:
-    """Return smooth noise of several grain sizes, zero mean, each grain with its standard deviation `weights`."""
+def _grain(
+    shape: tuple[int, int], sigmas: tuple[float, ...], weights: tuple[float, ...], seed: int
+) -> NDArray:
+    """Return smooth noise of several grain sizes, zero mean, each grain with its standard deviation
+    `weights`.
+    """
     rng = np.random.default_rng(seed)
     total = np.zeros(shape, dtype=np.float32)
     for sigma, weight in zip(sigmas, weights, strict=True):
@@ -172,8 +178,8 @@ def _hang_posters(image: Image, rng: np.random.Generator) -> None:
 def road_texture(road: Road) -> Texture:
     """Return the whole road from outer white edge to outer white edge.
 
-    u runs across, from the outer left edge to the outer right edge of the road as the right lane's traffic sees it;
-    v runs against the traffic, so that the picture's lower edge is the road's beginning.
+    u runs across, from the outer left edge to the outer right edge of the road as the right lane's traffic
+    sees it; v runs against the traffic, so that the picture's lower edge is the road's beginning.
     """
     shape = (round(road.length * ROAD_SCALE), round(2.0 * road.half_width * ROAD_SCALE))
     image = _tinted((FLOOR_GRAY,) * 3, _grain(shape, (2.0, 12.0, 120.0), (4.0, 2.5, 4.0), seed=23))
@@ -181,7 +187,9 @@ def road_texture(road: Road) -> Texture:
     across = (np.arange(shape[1]) + 0.5) / ROAD_SCALE - road.half_width
     along = road.length - (np.arange(shape[0]) + 0.5) / ROAD_SCALE
     white = np.abs(across) > road.half_width - road.white_width
-    yellow = (np.abs(across) < 0.5 * road.yellow_width)[None] & (along % (road.dash + road.gap) < road.dash)[:, None]
+    yellow = (np.abs(across) < 0.5 * road.yellow_width)[None] & (along % (road.dash + road.gap) < road.dash)[
+        :, None
+    ]
     paint = np.clip(np.asarray(WHITE_BGR) * tape, 0, 255).astype(np.uint8)
     image[:, white] = paint[:, white]
     image[yellow] = np.clip(np.asarray(YELLOW_BGR) * tape, 0, 255).astype(np.uint8)[yellow]

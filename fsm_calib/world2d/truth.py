@@ -1,4 +1,6 @@
-"""The robot's true motion, and what may be read of it for scoring. Nothing here is reachable through the port."""
+"""The robot's true motion, and what may be read of it for scoring. Nothing here is reachable through the
+port.
+"""
 
 from __future__ import annotations
 

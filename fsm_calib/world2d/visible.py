@@ -17,7 +17,9 @@ _COARSE = 8
 _SMALLEST = 1.5
 """Surfaces smaller than this in the image are left out [px]; no detector sees them."""
 _BAKED = 9.0
-"""Prints on the floor that are lower than this in the image [px] are left to the floor's own, coarser picture."""
+"""Prints on the floor that are lower than this in the image [px] are left to the floor's own, coarser
+picture.
+"""
 _LAYERS = {"room": 0, "floor": 1, "decal": 2, "standing": 3}
 
 _LARGE = 0.5
@@ -29,9 +31,11 @@ RealBox = tuple[float, float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """A surface in sight: the image box (x0, y0, x1, y1), ends excluded [px], and the map from rays to its plane.
+    """A surface in sight: the image box (x0, y0, x1, y1), ends excluded [px], and the map from rays to its
+    plane.
 
-    plane_from_ray : shape (3, 3), (x, y, 1) -> homogeneous plane point [m]; positive third component in front.
+    plane_from_ray : shape (3, 3), (x, y, 1) -> homogeneous plane point [m]; positive third component in
+    front.
     """
 
     surface: Surface
@@ -78,7 +82,9 @@ class SurfaceIndex:
 
 
 def _project_boxes(table: RayTable, outlines: FloatArray) -> list[RealBox]:
-    """Return the image boxes [px] of outlines (n, points, 3) in the camera's frame; rays beyond the widest are clamped."""
+    """Return the image boxes [px] of outlines (n, points, 3) in the camera's frame; rays beyond the widest
+    are clamped.
+    """
     depth = np.maximum(outlines[..., 2], NEAREST)
     x, y = outlines[..., 0] / depth, outlines[..., 1] / depth
     shrink = np.minimum(1.0, table.widest / np.maximum(np.hypot(x, y), 1e-12))
@@ -88,12 +94,14 @@ def _project_boxes(table: RayTable, outlines: FloatArray) -> list[RealBox]:
     low = np.stack([u.min(axis=1), v.min(axis=1)], axis=1)
     high = np.stack([u.max(axis=1), v.max(axis=1)], axis=1)
     bend = 0.03 * np.max(high - low, axis=1, keepdims=True)  # edges are curved between the outline's points
-    return [(row[0], row[1], row[2], row[3]) for row in np.concatenate([low - bend, high + bend], axis=1).tolist()]
+    return [
+        (row[0], row[1], row[2], row[3]) for row in np.concatenate([low - bend, high + bend], axis=1).tolist()
+    ]
 
 
 def _search_box(table: RayTable, plane_from_ray: FloatArray, size: FloatArray) -> RealBox | None:
     """Return the image box of a rectangle that reaches behind the camera, by asking a coarse grid of rays."""
-    rays = table.rays[1 : -1 : _COARSE, 1 : -1 : _COARSE]
+    rays = table.rays[1:-1:_COARSE, 1:-1:_COARSE]
     a, b, w = np.moveaxis(rays @ plane_from_ray[:, :2].T.astype(np.float32) + plane_from_ray[:, 2], -1, 0)
     slack = 0.02 * w  # m; a surface narrower than the grid must not slip through
     hit = (w > 0) & (a >= -slack) & (b >= -slack) & (a <= size[0] * w + slack) & (b <= size[1] * w + slack)
@@ -140,7 +148,7 @@ def _cannot_cover(one: Seen, other: Seen, position: FloatArray) -> bool:
 
 
 def _side(one: Seen, other: Seen, position: FloatArray) -> int:
-    """Return 1 when all of `one` is on the camera's side of `other`'s plane, -1 when all is beyond, else 0."""
+    """Return 1 when all of `one` is on the camera's side of `other`'s plane, -1 when all beyond, else 0."""
     origin, normal = other.surface.world_from_plane[:, 2], other.surface.normal
     camera = float(normal @ (position - origin))
     distances = (one.surface.corners_world() - origin) @ normal * np.sign(camera)
