@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fsm_calib.diagnosis.identify_align_heading import robust_linear
 from fsm_calib.diagnosis.identify_inputs import TYPICAL_AXLE, Wheels, wheels_of
 from fsm_calib.diagnosis.identify_motion import body_motion, sensor_motion
 from fsm_calib.diagnosis.identify_result import Estimate, Identification, unknown
@@ -75,7 +76,7 @@ def _intervals(recording: Recording) -> tuple[FloatArray, FloatArray, FloatArray
 def _fit(
     wheels: Wheels, recording: Recording, left: FloatArray, right: FloatArray, measured: FloatArray
 ) -> tuple[RobustFit, bool]:
-    """Start from a linear fit of the turns and the heading of the sensor that suits best."""
+    """Fit, with or without a sensor pose, from the linear first guess."""
     track = recording.displacement
     with_sensor = track is not None and track.of == "sensor"
     axle = recording.robot.axle_length or TYPICAL_AXLE
@@ -87,25 +88,37 @@ def _fit(
         d, dtheta = body_motion(left, right, a_left, a_right, b)
         return sensor_motion(d, dtheta, parameters[3:] if with_sensor else np.zeros(3))
 
-    fits = [
-        robust_fit(model, measured, start[:count], scale[:count])
-        for start in _starts(wheels.nominal or wheels.size, axle, left, right, measured, with_sensor)
-    ]
-    best = min(fits, key=lambda fit: float(np.log(np.linalg.det(fit.scatter))))
+    start = _start(wheels.nominal or wheels.size, axle, left, right, measured, with_sensor)
+    best = robust_fit(model, measured, start[:count], scale[:count])
     return best, with_sensor
 
 
-def _starts(
+def _start(
     scale: float, axle: float, left: FloatArray, right: FloatArray, measured: FloatArray, with_sensor: bool
-) -> list[FloatArray]:
-    """Return first guesses: the turn's sign and ratio from the rows' median, four headings of the sensor."""
-    turn = (right - left) * scale / axle
-    turning = np.abs(turn) > np.median(np.abs(turn))
-    ratio = float(np.median(measured[turning, 2] / turn[turning])) if turning.any() else 1.0
-    axle = axle / abs(ratio) if 0.1 < abs(ratio) < 10.0 else axle
-    sign = 1.0 if ratio >= 0 else -1.0
-    headings = np.arange(4) * np.pi / 2.0 if with_sensor else [0.0]
-    return [np.array([sign * scale, sign * scale, axle, 0.0, 0.0, heading]) for heading in headings]
+) -> FloatArray:
+    """Return the first guess from linear fits.
+
+    dtheta = J_r q_r - J_l q_l and, in the frame at half the turn, with the sensor at l = x + i y, heading
+    psi, dz = exp(-i psi) ((a_l q_l + a_r q_r) / 2 + i l dtheta); both hold for small turns, and robustly
+    fitted.
+    """
+    j = robust_linear(np.stack([-left, right], axis=1), measured[:, 2])
+    turn = j[1] * right - j[0] * left
+    move = (measured[:, 0] + 1j * measured[:, 1]) * np.exp(-0.5j * measured[:, 2])
+    ratio = np.array([abs(j[0]), abs(j[1])]) / max(float(np.abs(j).mean()), 1e-12)
+    forward = (np.copysign(ratio[0], j[0]) * left + np.copysign(ratio[1], j[1]) * right) / 2.0
+    design = np.stack([forward * np.sinc(turn / (2.0 * np.pi)), 2.0 * np.sin(turn / 2.0)], axis=1)
+    parts = [robust_linear(design, move.real), robust_linear(design, move.imag)]
+    alpha, beta = complex(parts[0][0], parts[1][0]), complex(parts[0][1], parts[1][1])
+    if not with_sensor and alpha.real < 0.0:
+        alpha, j = abs(alpha) + 0j, -j
+    mean, psi = abs(alpha), -float(np.angle(alpha))
+    if not 0.02 < mean / scale < 50.0:
+        mean = scale
+    length = mean / max(float(np.abs(j).mean()), 1e-12)
+    place = -1j * beta * np.exp(1j * psi)
+    radii = mean * ratio * np.sign(j)
+    return np.array([radii[0], radii[1], min(length, 20.0 * axle), place.real, place.imag, psi])
 
 
 def _estimate(fit: RobustFit, i: int, unit: str) -> Estimate:

@@ -14,9 +14,11 @@ import numpy as np
 
 from fsm_calib.errors import InputError
 from fsm_calib.recording.channels import Channel
+from fsm_calib.recording.oddities import findings_of
 from fsm_calib.recording.recording import Finding, Recording
 
 HELD = ("command", "twist", "state")  # channels whose rows hold until the next
+LARGEST_COMMAND = 2.0  # a logger may note what is clipped later, but not twice the largest command
 MOST_BACKWARDS = 0.02  # share of rows with time going backwards above which the column is no clock
 
 
@@ -39,7 +41,29 @@ def checked(recording: Recording, sources: Mapping[str, Rows]) -> Recording:
         changes[name] = channel
         findings += found
     recording = dataclasses.replace(recording, **changes)
-    return dataclasses.replace(recording, checks=tuple(findings))
+    odd = findings_of(recording)
+    _refuse_impossible(recording, odd, sources)
+    return dataclasses.replace(recording, checks=(*findings, *odd))
+
+
+def _refuse_impossible(recording: Recording, odd: list[Finding], sources: Mapping[str, Rows]) -> None:
+    """Raise InputError for columns that cannot be what the manifest calls them."""
+    command = recording.command
+    if command is not None and command.unit == "normalized":
+        size = np.maximum(np.abs(command.left), np.abs(command.right))
+        if float(np.median(size)) > 1.0 or float(size.max()) > LARGEST_COMMAND:
+            raise InputError(
+                f"a normalized command of {float(size.max()):g} lies far beyond -1 to 1",
+                where=sources["command"].where(int(np.argmax(size))),
+                cure="Are columns swapped, or is the unit rad/s?",
+            )
+    for finding in odd:
+        if finding.kind in ("mirrored", "heading"):
+            raise InputError(
+                finding.sentence,
+                where=sources[finding.channel].where(0),
+                cure="Check the columns of the manifest.",
+            )
 
 
 def _increasing(name: str, channel: Channel, source: Rows) -> tuple[Channel, list[Finding]]:

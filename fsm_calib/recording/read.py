@@ -9,12 +9,15 @@ from fsm_calib.recording.manifest import read_manifest
 from fsm_calib.recording.recording import Recording
 
 MANIFEST_SUFFIXES = (".yaml", ".yml")
+BAG_SUFFIXES = (".bag", ".mcap", ".db3")
 MANIFEST_NAME = "recording.yaml"
 
 
-def read_recording(path: str | Path) -> Recording:
+def read_recording(path: str | Path, tag_map: str | Path | None = None) -> Recording:
     """Read a manifest, a folder that holds ``recording.yaml``, a ROS 1 ``.bag``, a ROS 2 bag folder or a
     ``.mcap``.
+
+    `tag_map` names a YAML file with the places of tags, for bags that hold tag detections and no poses.
 
     Raises
     ------
@@ -28,6 +31,12 @@ def read_recording(path: str | Path) -> Recording:
         path = path / MANIFEST_NAME
     if path.is_file() and path.suffix in MANIFEST_SUFFIXES and path.name != "metadata.yaml":
         return read_manifest(path)
+    if path.suffix in BAG_SUFFIXES or (path.is_dir() and (path / "metadata.yaml").is_file()):
+        # bags need a heavy library that manifests do not
+        from fsm_calib.recording.bags import read_bag
+        from fsm_calib.recording.tag_poses import read_tag_map
+
+        return read_bag(path, None if tag_map is None else read_tag_map(Path(tag_map)))
     raise InputError(
         "not a recording: expected a manifest (.yaml), a .bag, a .mcap or a bag folder", where=str(path)
     )
