@@ -12,29 +12,30 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from fsm_calib.machines.document import machines_markdown
 from fsm_calib.machines.dot import dot_text
 from fsm_calib.machines.mermaid import mermaid_text
 from fsm_calib.machines.picture import Picture, picture
-from fsm_calib.machines.supervisor import MACHINES, SUPERVISOR
+from fsm_calib.machines.supervisor import MACHINES, PHASES, SUPERVISOR
 
 DIGEST = "<!-- drawn from the DOT text with sha256 {} -->"
 
 
-def pictures() -> dict[str, Picture]:
-    """Return what is drawn, by file stem: every machine, the supervisor with machines folded, and the
-    whole.
-    """
-    drawn = {chart.name: picture(chart) for chart in MACHINES}
-    return {"supervisor": picture(SUPERVISOR, folded=True), **drawn, "whole": picture(SUPERVISOR)}
+SHARED = "squaring"
+"""The part that several machines share: in pictures it is open once, as `orientation`."""
+
+
+def pictures(*, closed: tuple[str, ...] = ()) -> dict[str, Picture]:
+    """Return what is drawn, by file stem: the supervisor (machines closed), each machine, the whole."""
+    drawn = {chart.name: picture(chart, closed=closed) for chart in MACHINES}
+    return {"supervisor": picture(SUPERVISOR, closed=PHASES), **drawn, "whole": picture(SUPERVISOR)}
 
 
 def diagram_texts() -> dict[str, str]:
     """Return the text files of `diagrams/` by name."""
-    texts: dict[str, str] = {}
-    for stem, drawn in pictures().items():
-        texts[f"{stem}.mmd"] = mermaid_text(drawn)
-        texts[f"{stem}.dot"] = dot_text(drawn)
-    return texts
+    texts = {f"{stem}.mmd": mermaid_text(drawn) for stem, drawn in pictures().items()}
+    texts["README.md"] = machines_markdown()
+    return texts | {f"{stem}.dot": dot_text(drawn) for stem, drawn in pictures(closed=(SHARED,)).items()}
 
 
 def write_diagrams(directory: Path | str) -> list[Path]:

@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from fsm_calib.machines.mermaid import all_boxes, around, ident
+from fsm_calib.machines.mermaid import STAY, all_boxes, around, ident
 from fsm_calib.machines.picture import Arrow, Box, Label, Picture
 
 FILLS = {
     "leaf": "#e3f2fd",
     "composite": "#fafafa",
+    "closed": "#ede7f6",
     "end": "#c8e6c9",
     "failure": "#ffcdd2",
     "outside": "#eceff1",
@@ -22,15 +23,24 @@ FILLS = {
 EDGES = {
     "leaf": "#1565c0",
     "composite": "#90a4ae",
+    "closed": "#5e35b1",
     "end": "#2e7d32",
     "failure": "#c62828",
     "outside": "#607d8b",
     "every": "#b0bec5",
 }
 ACTIVE_FILL, ACTIVE_EDGE = "#ffd54f", "#e65100"
-WIDTH = 44
+WIDTH = 38
 """Characters of a line inside a box."""
 LEFT = '<br align="left"/>'
+
+
+LEGEND = (
+    '<table border="0" cellborder="0" cellspacing="0"><tr><td align="left" balign="left">'
+    '<font point-size="9" color="#546e7a">do / what the robot does here; its outcome is the event<br/>'
+    "<b>outcome</b> [guards, ! is not] <i>/ bookkeeping</i><br/>"
+    "↻ do it again &nbsp; ⇒ the run ends there</font></td></tr></table>"
+)
 
 
 def dot_text(drawn: Picture, active: str = "") -> str:
@@ -38,7 +48,7 @@ def dot_text(drawn: Picture, active: str = "") -> str:
     marked = set(around(active))
     lines = [
         f'digraph "{drawn.name}" {{',
-        "  compound=true; rankdir=TB; nodesep=0.5; ranksep=0.6; newrank=true;",
+        "  rankdir=TB; newrank=true; nodesep=0.4; ranksep=0.5;",
         f"  label=<<b>{escape(drawn.name)}</b><br/>{escape(drawn.about)}>; labelloc=t; fontsize=16;",
         '  fontname="Helvetica"; node [fontname="Helvetica" fontsize=11 shape=plain];',
         '  edge [fontname="Helvetica" fontsize=9 color="#455a64" arrowsize=0.8];',
@@ -47,6 +57,7 @@ def dot_text(drawn: Picture, active: str = "") -> str:
     for box in drawn.boxes:
         lines += _box_lines(box, marked, "  ")
     lines.append(f'  "[*]" -> "{ident(drawn.start)}";')
+    lines.append(f'  "legend" [label=<{LEGEND}>];')
     leaf_of = {box.path: _first_leaf(box) for box in all_boxes(drawn)}
     lines += [_arrow_line(arrow, leaf_of) for arrow in drawn.arrows]
     return "\n".join([*lines, "}"]) + "\n"
@@ -92,12 +103,12 @@ def _table(box: Box, fill: str, edge: str) -> str:
 
 
 def _row(label: Label) -> str:
-    end = f' <font color="#c62828">⇒ {escape(label.end)}</font>' if label.end else " ↻"
+    end = f' <font color="#c62828">⇒ {_wrapped(label.end, LEFT)}</font>' if label.end else STAY
     return f'<font point-size="9">{_said(label)}{end}</font>'
 
 
 def _said(label: Label) -> str:
-    text = f"<b>{escape(label.trigger)}</b>"
+    text = f"<b>{escape(label.trigger)}</b>" if label.trigger else ""
     if label.condition:
         text += f' <font color="#6a1b9a">[{_wrapped(label.condition, LEFT)}]</font>'
     return text + (f" <i>/ {_wrapped(label.actions, LEFT)}</i>" if label.actions else "")
@@ -115,7 +126,5 @@ def _wrapped(text: str, line_break: str = "<br/>") -> str:
 
 def _arrow_line(arrow: Arrow, leaf_of: dict[str, str]) -> str:
     source, dest = leaf_of[arrow.source], leaf_of[arrow.dest]
-    ends = f' ltail="cluster_{ident(arrow.source)}"' if source != arrow.source else ""
-    ends += f' lhead="cluster_{ident(arrow.dest)}"' if dest != arrow.dest else ""
     label = "".join(_said(item) + LEFT for item in arrow.labels)
-    return f'  "{ident(source)}" -> "{ident(dest)}" [label=<{label}>{ends}];'
+    return f'  "{ident(source)}" -> "{ident(dest)}" [label=<{label}>];'

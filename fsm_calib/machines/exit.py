@@ -15,7 +15,7 @@ EXIT = Chart(
     name="exit",
     about="Square up, drive straight out of the marker field, hand over.",
     states=(
-        State("squaring", "Turn along the markers, as before the wheel iteration.", children=SQUARING_STATES),
+        State("squaring", "Turn along the markers, as in orientation.", children=SQUARING_STATES),
         State("leaving", "Drive straight while a marker is in sight.", do="drive_off"),
         State("handing", "Stop and hand the robot over to its own controller.", do="hand_over"),
     ),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fsm_calib.machines.picture import Box, Label, Picture
+from fsm_calib.machines.picture import Box, Picture
 from fsm_calib.machines.spec import SEPARATOR
 
 STYLES = (
@@ -17,6 +17,10 @@ STYLES = (
     "classDef failure fill:#ffcdd2,stroke:#c62828,color:#000000",
     "classDef outside fill:#eceff1,stroke:#607d8b,stroke-dasharray:4,color:#000000",
 )
+STAY = " ↻"
+"""After a row that stays in its state."""
+LINE = "<br/>"
+"""Between the labels of one arrow."""
 CLASSES = {"end": "good", "failure": "failure", "outside": "outside"}
 
 
@@ -27,13 +31,14 @@ def mermaid_text(drawn: Picture, active: str = "") -> str:
     for box in drawn.boxes:
         lines += _box_lines(box, "    ")
     for arrow in drawn.arrows:
-        for label in arrow.labels:
-            lines.append(f"    {ident(arrow.source)} --> {ident(arrow.dest)} : {_words(label)}")
+        words = LINE.join(label.text for label in arrow.labels)
+        lines.append(f"    {ident(arrow.source)} --> {ident(arrow.dest)} : {words}")
     lines += [f"    {style}" for style in STYLES]
     lines += [
         f"    class {ident(box.path)} {CLASSES[box.kind]}" for box in all_boxes(drawn) if box.kind in CLASSES
     ]
-    lines += [f"    class {ident(path)} active" for path in around(active)]
+    drawn_paths = {box.path for box in all_boxes(drawn)}
+    lines += [f"    class {ident(path)} active" for path in around(active) if path in drawn_paths]
     return "\n".join(lines) + "\n"
 
 
@@ -48,11 +53,7 @@ def _box_lines(box: Box, indent: str) -> Iterator[str]:
     if box.do:
         yield f"{indent}{ident(box.path)} : do / {box.do}"
     for row in box.rows:
-        yield f"{indent}{ident(box.path)} : {_words(row)}"
-
-
-def _words(label: Label) -> str:
-    return label.text.replace("=>", "⇒")
+        yield f"{indent}{ident(box.path)} : {row.text}{'' if row.end else STAY}"
 
 
 def ident(path: str) -> str:

@@ -22,7 +22,8 @@ WHEELS = Chart(
         State("back", "Drive back for the same time with the same k.", do="drive_back"),
         State("updating", "Refine k, or count a quiet iteration.", do="update_ratio"),
         State("returning", "No marker after the drive: back to where one was.", do="drive_back"),
-        State("squaring", "The robot stands askew: turn along the markers.", children=SQUARING_STATES),
+        State("squaring", "The robot stands askew: turn along the markers, as in orientation.",
+              children=SQUARING_STATES),
     ),
     transitions=(
         *choose("marker_measured", "measuring",
