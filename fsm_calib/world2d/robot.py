@@ -10,86 +10,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
-
-import numpy as np
+from dataclasses import dataclass
 
 from fsm_calib.errors import InputError
-from fsm_calib.types import STOP, Frame, Pose2, WheelCommand
+from fsm_calib.types import STOP, Frame, WheelCommand
 from fsm_calib.world2d.body import largest_stable_step
 from fsm_calib.world2d.faults import DeadWheel, Fault
-from fsm_calib.world2d.fleet import RobotSpec, nominal_robot
-from fsm_calib.world2d.layout import calibration_area
-from fsm_calib.world2d.scene import SceneSpec, check_range
-from fsm_calib.world2d.sensor import SensorSettings
+from fsm_calib.world2d.motion import Motion
+from fsm_calib.world2d.scene import check_range
 from fsm_calib.world2d.shutter import Shutter
-from fsm_calib.world2d.truth import Motion, Truth
+from fsm_calib.world2d.spec import Wear, WorldSettings, WorldSpec
+from fsm_calib.world2d.truth import Truth
 
-LONGEST_STEP = 0.002
-"""Longest step of a world [s]: contacts of SI size need it."""
+__all__ = ["SimulatedRobot", "Wear", "World", "WorldSettings", "WorldSpec", "make_world"]
+
 LONGEST_WAIT = 3600.0
 """Longest single wait [s]."""
-_NOISE_STREAM = 1
-
-
-@dataclass(frozen=True, slots=True)
-class Wear:
-    """A wheel ratio that drifts while driving: relative change per metre [1/m], up to `limit` [1] in either
-    direction.
-
-    Gearbox and coating wear (paper section 5.2), made fast enough to be seen in one run.
-    """
-
-    per_metre: float = 0.0
-    limit: float = 0.04
-
-    def factor(self, odometer: float) -> float:
-        """Return what the true ratio is multiplied by after `odometer` [m] of driving."""
-        return 1.0 + float(np.clip(self.per_metre * odometer, -self.limit, self.limit))
-
-
-@dataclass(frozen=True, slots=True)
-class WorldSettings:
-    """How the world is simulated.
-
-    step [s]; command_limit : largest command that the driver lets through [1] (Duckietown's limit);
-    drive_noise : relative standard deviation of each wheel's answer, drawn anew every `noise_period` [s] and
-    interpolated between (assumed: small unevenness of floor and gears); trace_period : spacing of the true
-    path that is kept [s].
-    """
-
-    step: float = LONGEST_STEP
-    command_limit: float = 1.0
-    drive_noise: float = 0.01
-    noise_period: float = 0.1
-    trace_period: float = 0.02
-
-    def __post_init__(self) -> None:
-        """Refuse steps that are too long for contacts and settings without meaning."""
-        check_range("step", self.step, 1e-5, LONGEST_STEP)
-        check_range("command_limit", self.command_limit, 0.01, 1.0)
-        check_range("drive_noise", self.drive_noise, 0.0, 0.5)
-        check_range("noise_period", self.noise_period, self.step, 10.0)
-        check_range("trace_period", self.trace_period, self.step, 10.0)
-
-
-@dataclass(frozen=True, eq=False)
-class WorldSpec:
-    """A robot in an area, with what may go wrong; `start` is the pose of `base` in `world` at time 0."""
-
-    robot: RobotSpec = field(default_factory=nominal_robot)
-    scene: SceneSpec = field(default_factory=calibration_area)
-    start: Pose2 = field(default_factory=Pose2)
-    sensor: SensorSettings | None = None
-    settings: WorldSettings = field(default_factory=WorldSettings)
-    faults: tuple[Fault, ...] = ()
-    wear: Wear = field(default_factory=Wear)
-    seed: int = 0
-
-    @property
-    def optics(self) -> SensorSettings:
-        """The sensor's settings; by default with the robot's own focus."""
-        return self.sensor or SensorSettings(defocus=self.robot.defocus)
 
 
 class SimulatedRobot:

@@ -3,61 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsm_calib.errors import InputError
 from fsm_calib.types import Frame, Pose2
 from fsm_calib.world2d.camera import Renderer
-from fsm_calib.world2d.faults import (
-    SCENE_FAULTS,
-    BlurredCamera,
-    DroppedFrames,
-    Fault,
-    FrozenFrames,
-    MissingBoard,
-    MissingMarkers,
-    Obstacle,
-)
-from fsm_calib.world2d.scene import SceneSpec
+from fsm_calib.world2d.faults import BlurredCamera, DroppedFrames, FrozenFrames
+from fsm_calib.world2d.motion import Motion
 from fsm_calib.world2d.sensor import SensorSettings, expose
+from fsm_calib.world2d.spec import WorldSpec
+from fsm_calib.world2d.stages import scene_stages
 from fsm_calib.world2d.surfaces import Scene, build_scene
-
-if TYPE_CHECKING:
-    from fsm_calib.world2d.robot import WorldSpec
-    from fsm_calib.world2d.truth import Motion
 
 _SCENE_STREAM, _FRAME_STREAM, _DROP_STREAM = 2, 3, 4
 _FROZEN_NUMBER = 2**40
 """Stands for the frame's number in the noise of a frozen picture; no run takes so many frames."""
-
-
-def _changed(scene: SceneSpec, fault: Fault, boards: tuple[int, ...]) -> tuple[SceneSpec, tuple[int, ...]]:
-    """Return the scene after a fault, and the original numbers of the boards that are left."""
-    if isinstance(fault, MissingBoard):
-        if fault.board not in boards:
-            raise InputError(
-                f"there is no board {fault.board}", where="faults", cure=f"Boards: {list(boards)}."
-            )
-        place = boards.index(fault.board)
-        return scene.without_board(place), boards[:place] + boards[place + 1 :]
-    if isinstance(fault, MissingMarkers):
-        return scene.without_markers(fault.numbers), boards
-    if isinstance(fault, Obstacle):
-        return scene.with_wall(fault.wall), boards
-    return scene, boards
-
-
-def scene_stages(spec: WorldSpec) -> list[tuple[float, SceneSpec]]:
-    """Return the scene from each time [s] on, in order, the first from time 0."""
-    scene, boards = spec.scene, tuple(range(len(spec.scene.boards)))
-    stages = [(0.0, scene)]
-    for fault in sorted((f for f in spec.faults if isinstance(f, SCENE_FAULTS)), key=lambda f: f.at):
-        scene, boards = _changed(scene, fault, boards)
-        stages.append((max(0.0, fault.at), scene))
-    return stages
 
 
 class Shutter:

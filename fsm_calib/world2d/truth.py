@@ -1,126 +1,14 @@
-"""The robot's true motion, and what may be read of it for scoring. Nothing here is reachable through the
-port.
-"""
+"""What truly is, for scoring and reports only. Nothing here is reachable through the port."""
 
 from __future__ import annotations
 
-import math
-from collections import deque
-from typing import TYPE_CHECKING
-
 import numpy as np
-import pymunk
 
-from fsm_calib.types import CameraModel, CameraMount, FloatArray, Pose2, WheelCommand
-from fsm_calib.world2d.body import RobotBody
-from fsm_calib.world2d.faults import FrozenFrames
-from fsm_calib.world2d.obstacles import add_scene, make_space, robot_outline
-from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.types import CameraModel, CameraMount, FloatArray, Pose2
+from fsm_calib.world2d.motion import Motion
+from fsm_calib.world2d.shutter import Shutter
+from fsm_calib.world2d.spec import WorldSpec
 from fsm_calib.world2d.surfaces import Marker, Scene
-
-if TYPE_CHECKING:
-    from fsm_calib.world2d.robot import WorldSpec
-    from fsm_calib.world2d.shutter import Shutter
-
-_NOISE_STREAM = 1
-_NOISE_BLOCK = 256
-"""Knots of the drive noise that one generator draws."""
-_WEAR_GRAIN = 0.02
-"""Driven distance after which a worn ratio is brought up to date [m]."""
-
-
-class Motion:
-    """The body in its space, stepped in whole ticks, with drive noise, wear and the changes of scene."""
-
-    def __init__(self, spec: WorldSpec, parameters: FloatArray) -> None:
-        from fsm_calib.world2d.shutter import scene_stages
-
-        self._spec, self._fresh = spec, parameters
-        self.space = make_space()
-        self.body = RobotBody(self.space, parameters, spec.start)
-        self.space.add(robot_outline(self.body.body))
-        self._stages = deque(scene_stages(spec))
-        self._shapes: list[pymunk.Shape] = []
-        self.ticks, self.odometer, self._worn_at = 0, 0.0, 0.0
-        self._noise = np.zeros((0, 2))
-        self._noise_block = -1
-        self.recent: deque[Pose2] = deque(maxlen=1 + math.ceil(spec.optics.exposure / spec.settings.step))
-        self._trace_every = max(1, round(spec.settings.trace_period / spec.settings.step))
-        self.trace: list[tuple[float, float, float, float]] = []
-        self._freeze_at = min((f.at for f in spec.faults if isinstance(f, FrozenFrames)), default=math.inf)
-        self._frozen: tuple[float, list[Pose2]] | None = None
-        self._note()
-        self._change_scene()
-
-    @property
-    def time(self) -> float:
-        """Time since the start [s]."""
-        return self.ticks * self._spec.settings.step
-
-    def _note(self) -> None:
-        pose = self.body.pose
-        self.recent.append(pose)
-        if self.ticks % self._trace_every == 0:
-            self.trace.append((self.time, pose.x, pose.y, pose.theta))
-        if self._frozen is None and self.time >= self._freeze_at:
-            self._frozen = self.time, list(self.recent)
-
-    def frozen_view(self) -> tuple[float, list[Pose2]]:
-        """Return when the camera froze [s] and the poses of that exposure; now, when it has not."""
-        return self._frozen or (self.time, list(self.recent))
-
-    def _change_scene(self) -> None:
-        """Exchange the obstacles when a fault changes the scene."""
-        while self._stages and self._stages[0][0] <= self.time:
-            _, scene = self._stages.popleft()
-            if self._shapes:
-                self.space.remove(*self._shapes)
-            self._shapes = add_scene(self.space, scene)
-
-    def _noise_at(self, tick: int) -> tuple[float, float]:
-        """Return the relative deviation of both wheels' answers [1], linear between knots."""
-        settings = self._spec.settings
-        place = tick * settings.step / settings.noise_period
-        knot = int(place)
-        block, index = divmod(knot, _NOISE_BLOCK)
-        if block != self._noise_block:
-            draws = [
-                np.random.default_rng([self._spec.seed, _NOISE_STREAM, b]).standard_normal((_NOISE_BLOCK, 2))
-                for b in (block, block + 1)
-            ]
-            self._noise, self._noise_block = settings.drive_noise * np.vstack(draws), block
-        share = place - knot
-        (a, b), (c, d) = self._noise[index], self._noise[index + 1]
-        return float(a + share * (c - a)), float(b + share * (d - b))
-
-    def step(self, left: float, right: float) -> None:
-        """Hold the commands [1] for one step."""
-        settings = self._spec.settings
-        if settings.drive_noise > 0.0 and (left != 0.0 or right != 0.0):
-            noise = self._noise_at(self.ticks)
-            left, right = left * (1.0 + noise[0]), right * (1.0 + noise[1])
-        self._wear_down()
-        self.body.step(WheelCommand(left, right), settings.step)
-        self.ticks += 1
-        before = self.recent[-1]
-        self._note()
-        after = self.recent[-1]
-        self.odometer += math.hypot(after.x - before.x, after.y - before.y)
-        if self._stages:
-            self._change_scene()
-
-    def _wear_down(self) -> None:
-        if self._spec.wear.per_metre != 0.0 and self.odometer - self._worn_at >= _WEAR_GRAIN:
-            self._worn_at = self.odometer
-            self.body.set_parameters(self.worn_parameters())
-
-    def worn_parameters(self) -> FloatArray:
-        """Return the parameters as they are now: the gains share the drift of the ratio."""
-        vector, table = self._fresh.copy(), parameter_table()
-        factor = math.sqrt(self._spec.wear.factor(self._worn_at))
-        vector[table.place("gain_left")] *= factor
-        vector[table.place("gain_right")] /= factor
-        return vector
 
 
 class Truth:
@@ -157,7 +45,7 @@ class Truth:
     @property
     def wheel_ratio(self) -> float:
         """The true k now, worn as it is: right command over left command for driving straight."""
-        return self._spec.robot.wheel_ratio * self._spec.wear.factor(self._motion._worn_at)
+        return self._spec.robot.wheel_ratio * self._spec.wear.factor(self._motion.worn_at)
 
     @property
     def odometer(self) -> float:
