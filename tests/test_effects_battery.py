@@ -15,10 +15,36 @@ from fsm_calib.world2d.observation import base_pose, observe, predict, robot_tim
 from fsm_calib.world2d.parameters import null_parameters, parameter_table, parameters, typical_parameters
 from fsm_calib.world2d.rollout import Drive, active_flags, simulate
 
-CATALOGUE = """motor_deadband command_saturation motor_gain_curve motor_reverse_asymmetry motor_asymmetric_lag
-coulomb_friction gear_backlash battery_sag motor_warmup motor_fault command_delay wheel_eccentricity caster_drag tyre_scrub
-lateral_slip payload_offset floor_tilt carpet_nap rough_floor_patch low_friction_patch external_push observation_delay
-sensor_offset sensor_yaw clock_drift misplaced_marker unequal_motors wheel_slip""".split()
+CATALOGUE = [
+    "motor_deadband",
+    "command_saturation",
+    "motor_gain_curve",
+    "motor_reverse_asymmetry",
+    "motor_asymmetric_lag",
+    "coulomb_friction",
+    "gear_backlash",
+    "battery_sag",
+    "motor_warmup",
+    "motor_fault",
+    "command_delay",
+    "wheel_eccentricity",
+    "caster_drag",
+    "tyre_scrub",
+    "lateral_slip",
+    "payload_offset",
+    "floor_tilt",
+    "carpet_nap",
+    "rough_floor_patch",
+    "low_friction_patch",
+    "external_push",
+    "observation_delay",
+    "sensor_offset",
+    "sensor_yaw",
+    "clock_drift",
+    "misplaced_marker",
+    "unequal_motors",
+    "wheel_slip",
+]
 NAMES = sorted(registry())
 PHYSICAL = [n for n in NAMES if set(registry()[n].hooks) & {"begin", "shape", "delay", "step"}]
 DISSIPATIVE = [n for n in NAMES if registry()[n].dissipative]
@@ -85,7 +111,9 @@ def test_vanishing_strength_changes_vanishingly_little(name):
     vector, null = null_parameters(), null_parameters()
     for place in parameter_table().of_effect(name):
         entry = parameter_table().entries[place]
-        vector[place] = entry.typical if not entry.strength else entry.null + 1e-7 * (entry.typical - entry.null)
+        vector[place] = (
+            entry.typical if not entry.strength else entry.null + 1e-7 * (entry.typical - entry.null)
+        )
     change = np.abs(poses_of(vector) - poses_of(null)).max()
     assert change < 1e-5
 
@@ -103,7 +131,9 @@ def test_mirrored_robot_moves_as_the_mirror_image(name):
     vector = typical_parameters(effect(name))
     vector[table_.place("gain_left")] = 0.70
     drive = manoeuvre()
-    image = poses_of(table_.mirrored(vector), mirror(np.array(START)), Drive(drive.time, drive.right, drive.left))
+    image = poses_of(
+        table_.mirrored(vector), mirror(np.array(START)), Drive(drive.time, drive.right, drive.left)
+    )
     np.testing.assert_allclose(image, mirror(poses_of(vector)), atol=1e-9)
 
 

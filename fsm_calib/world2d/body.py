@@ -1,8 +1,9 @@
-"""The robot as a pymunk body: the same compiled step as the roll-out's, plus whatever pymunk adds (walls, boards).
+"""The robot as a pymunk body: the same compiled step as the roll-out's, plus whatever pymunk adds (walls,
+boards).
 
-Before each step the body gets the mean velocity of the step and the force that brings it to the velocity after it, so
-that pymunk's own integrator reproduces the roll-out to rounding when nothing is touched, and its contact solver acts on
-the velocity that the wheels want when something is.
+Before each step the body gets the mean velocity of the step and the force that brings it to the velocity
+after it, so that pymunk's own integrator reproduces the roll-out to rounding when nothing is touched, and its
+contact solver acts on the velocity that the wheels want when something is.
 """
 
 from __future__ import annotations
@@ -48,14 +49,15 @@ from fsm_calib.world2d.slots import (
 LARGEST_STEP = 0.01
 """Longest step that a world may ask for [s]; see `largest_stable_step`."""
 STEPS_PER_TIME_CONSTANT = 5.0
-"""Steps that each time constant of the robot is divided into at least: the trapezoid rule is then right to 0.3 %."""
+"""Steps that each time constant of the robot is divided into at least: the trapezoid rule is then right to
+0.3 %."""
 
 
 def largest_stable_step(parameters: FloatArray) -> float:
     """Return the longest step [s] at which the robot is still simulated accurately.
 
-    The friction enters implicitly and is stable for any step; what limits the step is that it must resolve the motors'
-    time constants (`STEPS_PER_TIME_CONSTANT`) and stay below `LARGEST_STEP`.
+    The friction enters implicitly and is stable for any step; what limits the step is that it must resolve
+    the motors' time constants (`STEPS_PER_TIME_CONSTANT`) and stay below `LARGEST_STEP`.
     """
     table = parameter_table()
     table.check(parameters)
@@ -88,7 +90,9 @@ class RobotBody:
         if not all(map(math.isfinite, (pose.x, pose.y, pose.theta))):
             raise InputError(f"the robot's pose is {pose}, expected finite numbers")
         if tuple(space.gravity) != (0.0, 0.0) or space.damping != 1.0:
-            raise InputError("the robot's space has gravity or damping", cure="Use Space() as it comes: seen from above.")
+            raise InputError(
+                "the robot's space has gravity or damping", cure="Use Space() as it comes: seen from above."
+            )
         self.space = space
         self._bench = np.zeros(BENCH_SIZE)
         self._state = np.zeros(MEMORY + memory_places()[1])
@@ -106,7 +110,9 @@ class RobotBody:
         return body
 
     def set_parameters(self, parameters: FloatArray) -> None:
-        """Change the physics (wear, a fault) from now on; motion and memories go on. InputError as at the start."""
+        """Change the physics (wear, a fault) from now on; motion and memories go on. InputError as at the
+        start.
+        """
         parameter_table().check(parameters)
         self._parameters = np.array(parameters, dtype=float)
         self._on = active_flags(self._parameters)
@@ -171,7 +177,9 @@ class RobotBody:
         self._state[TIME] += dt
 
     def prepare(self, command: WheelCommand, dt: float) -> None:
-        """Set the body's velocity and force for a step of `dt` [s] that the caller makes (see `step` for errors)."""
+        """Set the body's velocity and force for a step of `dt` [s] that the caller makes (see `step` for
+        errors).
+        """
         if not 0.0 < dt <= LARGEST_STEP:
             raise InputError(f"the step is {dt} s, expected more than 0 and at most {LARGEST_STEP} s")
         if not (math.isfinite(command.left) and math.isfinite(command.right)):
@@ -184,7 +192,10 @@ class RobotBody:
     def _mean_command(self, command: WheelCommand, dt: float) -> tuple[float, float]:
         """Return the shaped commands that act in this step, late by the delay, averaged over the step."""
         now, shape = float(self._state[TIME]), kernel().shape
-        levels = shape(self._parameters, self._on, command.left, 0), shape(self._parameters, self._on, command.right, 1)
+        levels = (
+            shape(self._parameters, self._on, command.left, 0),
+            shape(self._parameters, self._on, command.right, 1),
+        )
         history, begin, end = self._history, now - self._delay, now + dt - self._delay
         history.append((now, *levels))
         while len(history) > 1 and history[1][0] <= begin:

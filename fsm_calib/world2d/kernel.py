@@ -1,9 +1,10 @@
-"""Weave the hooks of all effects and the loop into one module, compile it once, and keep it for later processes.
+"""Weave the hooks of all effects and the loop into one module, compile it once, and keep it for later
+processes.
 
-The woven module is written to the user's cache folder under a name that is the hash of everything that goes into it, so
-that a changed effect compiles anew and an unchanged catalogue starts at once. The folder is ``FSM_CALIB_CACHE`` when
-set, else ``$XDG_CACHE_HOME/fsm_calib`` or ``~/.cache/fsm_calib``; where that cannot be written, the system's temporary
-folder.
+The woven module is written to the user's cache folder under a name that is the hash of everything that goes
+into it, so that a changed effect compiles anew and an unchanged catalogue starts at once. The folder is
+``FSM_CALIB_CACHE`` when set, else ``$XDG_CACHE_HOME/fsm_calib`` or ``~/.cache/fsm_calib``; where that cannot
+be written, the system's temporary folder.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-from fsm_calib.world2d import dynamics, loop, slots
+from fsm_calib.world2d import dynamics, forces, loop, slots, tyres
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -31,7 +32,7 @@ import math
 import numpy as np
 from numba import njit
 from fsm_calib.world2d.dynamics import *
-from fsm_calib.world2d.dynamics import begin_base, begin_step, share_load
+from fsm_calib.world2d.tyres import add_tyres
 from fsm_calib.world2d.slots import *
 OUTPUTS = {outputs}
 '''
@@ -57,11 +58,15 @@ def _hooked(stage: str) -> list[Effect]:
 
 
 def _calls(stage: str, template: str) -> str:
-    """Return one guarded line a hook; the template knows name, o (first parameter), m (memory) and i (flag)."""
+    """Return one guarded line a hook; the template knows name, o (first parameter), m (memory) and i
+    (flag).
+    """
     table, (places, _), flags = parameter_table(), memory_places(), flag_places()
     lines = []
     for effect in _hooked(stage):
-        call = template.format(name=f"{effect.name}_{stage}", o=table.first[effect.name], m=places[effect.name])
+        call = template.format(
+            name=f"{effect.name}_{stage}", o=table.first[effect.name], m=places[effect.name]
+        )
         lines.append(f"    if on[{flags[effect.name]}]:\n        {call}\n")
     return "".join(lines)
 
@@ -105,7 +110,7 @@ def _digest(text: str) -> str:
     """Return a hash of the woven text and of every file whose code it calls."""
     digest = hashlib.sha256(text.encode())
     digest.update(sys.version.encode())
-    files = {inspect.getfile(m) for m in (dynamics, slots, loop)}
+    files = {inspect.getfile(m) for m in (dynamics, forces, tyres, slots, loop)}
     folder = Path(inspect.getfile(Effect)).parent
     for file in sorted(files | {str(p) for p in folder.glob("*.py")}):
         digest.update(Path(file).read_bytes())
@@ -134,7 +139,9 @@ def woven_source() -> str:
 
 @cache
 def kernel() -> ModuleType:
-    """Return the woven module (`run`, `run_many`, `single_step`, `begin`, `shape`, `delay`); compiles on first call."""
+    """Return the woven module (`run`, `run_many`, `single_step`, `begin`, `shape`, `delay`); compiles on
+    first call.
+    """
     source = woven_source()
     name = f"fsm_calib_kernel_{hashlib.sha256(source.encode()).hexdigest()[:20]}"
     file = cache_folder() / f"{name}.py"

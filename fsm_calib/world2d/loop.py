@@ -1,9 +1,9 @@
 """The loop over steps, as plain text that `kernel` weaves together with the effects' hooks and compiles.
 
-The functions here run the bare base robot as they stand (`begin`, `shape`, `delay`, `step` below know no effect);
-`kernel` puts generated functions of the same names in their place. A drive is held commands: level j acts from
-``times[j]`` to ``times[j + 1]``. Levels pass the static maps first and are then averaged over each step from their
-running integral, so that a delay moves the result smoothly and no edge is ever missed.
+The functions here run the bare base robot as they stand (`begin`, `shape`, `delay`, `step` below know no
+effect); `kernel` puts generated functions of the same names in their place. A drive is held commands: level j
+acts from ``times[j]`` to ``times[j + 1]``. Levels pass the static maps first and are then averaged over each
+step from their running integral, so that a delay moves the result smoothly and no edge is ever missed.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from numba import njit
 
 from fsm_calib.world2d.dynamics import (
     accept_step,
-    add_tyres,
     begin_base,
     begin_step,
     finish_step,
@@ -43,9 +42,11 @@ from fsm_calib.world2d.slots import (
     L,
     V,
 )
+from fsm_calib.world2d.tyres import add_tyres
 
 OUTPUTS = 12
-"""Columns of a result: x, y, theta, v, l, omega, wheel angles left and right, rim speeds left and right, time, moved."""
+"""Columns of a result: x, y, theta, v, l, omega, wheel angles left and right, rim speeds left and right,
+time, moved."""
 
 
 @njit(error_model="numpy")
@@ -69,7 +70,9 @@ def delay(P, on):
 
 @njit(error_model="numpy")
 def step(P, on, S, W):
-    """Find velocity and pose after one step; the result lies in W, the state's pose and twist are untouched."""
+    """Find velocity and pose after one step; the result lies in W, the state's pose and twist are
+    untouched.
+    """
     begin_step(P, W)
     add_tyres(S, W)
     finish_step(S, W)
@@ -112,9 +115,9 @@ def keep(out, k, S):
 def run(P, on, memory, looks, times, left, right, samples, start, track, limit, out):
     """Drive the robot through the sample times [s] and write one row a sample, shape (n, 12).
 
-    `on` (flags, one an effect), `memory` (slots they need), `looks` (0: no place needed, 1: simulated pose, 2: track of
-    shape (n, 5) at the sample times: x, y, theta, wheel angles), `start` (6: pose and twist of the axle), `limit` the
-    longest step [s]. Each interval between samples is cut into equal steps.
+    `on` (flags, one an effect), `memory` (slots they need), `looks` (0: no place needed, 1: simulated pose,
+    2: track of shape (n, 5) at the sample times: x, y, theta, wheel angles), `start` (6: pose and twist of
+    the axle), `limit` the longest step [s]. Each interval between samples is cut into equal steps.
     """
     S, W = np.zeros(MEMORY + memory), np.zeros(BENCH_SIZE)
     S[:6] = start

@@ -1,6 +1,7 @@
 """From the robot's states to what the pose sensor reports: its clock, its place on the robot, its map.
 
-The hooks `clock` and `observe` of the active effects act in their order; everything is NumPy on whole recordings.
+The hooks `clock` and `observe` of the active effects act in their order; everything is NumPy on whole
+recordings.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ def robot_time(parameters: FloatArray, stamps: FloatArray) -> FloatArray:
 def observe(parameters: FloatArray, poses: FloatArray, places: FloatArray | None = None) -> FloatArray:
     """Return what the pose sensor reports for the robot's poses, shape (n, 3) [m, m, rad].
 
-    `places`, shape (n, 2) [m], is where the robot is known to have been (for effects of places); default: the poses.
+    `places`, shape (n, 2) [m], is where the robot is known to have been (for effects of places); default: the
+    poses.
     """
     measured = np.array(poses, dtype=float)[:, :3]
     where = measured[:, :2].copy() if places is None else np.asarray(places, dtype=float)
@@ -45,7 +47,9 @@ def observe(parameters: FloatArray, poses: FloatArray, places: FloatArray | None
 
 
 def base_pose(parameters: FloatArray, measured: Pose2) -> Pose2:
-    """Return the pose of the axle centre for a measured pose: the inverse of the sensor's place (not of map errors)."""
+    """Return the pose of the axle centre for a measured pose: the inverse of the sensor's place (not of map
+    errors).
+    """
     table = parameter_table()
     x, y, yaw = (parameters[table.place(n)] for n in ("sensor_offset.x", "sensor_offset.y", "sensor_yaw.yaw"))
     return Pose2(measured.x, measured.y, measured.theta).then(Pose2(0.0, 0.0, -yaw)).then(Pose2(-x, -y, 0.0))
@@ -53,8 +57,9 @@ def base_pose(parameters: FloatArray, measured: Pose2) -> Pose2:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What would be measured: poses at the stamps, shape (n, 3) [m, m, rad, not wrapped]; wheel angles, shape (m, 2)
-    [rad]; the robot's states at the poses' true times, shape (n, 12), columns `rollout.COLUMNS`."""
+    """What would be measured: poses at the stamps, shape (n, 3) [m, m, rad, not wrapped]; wheel angles, shape
+    (m, 2) [rad]; the robot's states at the poses' true times, shape (n, 12), columns `rollout.COLUMNS`.
+    """
 
     poses: FloatArray
     wheel_angles: FloatArray

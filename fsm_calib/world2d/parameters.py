@@ -1,7 +1,7 @@
 """The parameter vector P: the base robot, then every effect of the registry; a table of names and places.
 
-Names are ``gain_left`` for the base and ``battery_sag.per_charge`` for effects. P is a plain float64 array, because
-fits perturb it by the hundred; `ParameterTable` gives it meaning.
+Names are ``gain_left`` for the base and ``battery_sag.per_charge`` for effects. P is a plain float64 array,
+because fits perturb it by the hundred; `ParameterTable` gives it meaning.
 """
 
 from __future__ import annotations
@@ -16,23 +16,59 @@ from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, Parameter, registry
 
-KINEMATICS = "Duckietown kinematics node: motor constant 27 rad/s, radius 0.0318 m; DB18 model 0.6 m/s at full command"
+KINEMATICS = (
+    "Duckietown kinematics node: motor constant 27 rad/s, radius 0.0318 m; DB18 model 0.6 m/s at full command"
+)
 SPREAD = "gains of 32 real robots: right over left 0.78 to 1.19 (Duckietown calibration logs)"
 MODEL = "duckietown-world pwm_dynamics.py: 0.2 and 0.25 s in the DB18 model; a 1.1 kg body on 0.2 N m motors: 0.05, 0.13 s"
 ROTOR = "a rotor of 1.2e-7 kg m2 behind 48:1 gears; a third of a Duckiebot's inertia, assumed"
 ASSUMED = "assumed; no published measurement was found"
 
 BASE: tuple[Parameter, ...] = (
-    Parameter("gain_left", "K_l", "m/s", 0.636, 0.05, 3.0, 0.66, f"{KINEMATICS}; {SPREAD}", mirror="swap:gain_right"),
-    Parameter("gain_right", "K_r", "m/s", 0.636, 0.05, 3.0, 0.60, f"{KINEMATICS}; {SPREAD}", mirror="swap:gain_left"),
+    Parameter(
+        "gain_left", "K_l", "m/s", 0.636, 0.05, 3.0, 0.66, f"{KINEMATICS}; {SPREAD}", mirror="swap:gain_right"
+    ),
+    Parameter(
+        "gain_right", "K_r", "m/s", 0.636, 0.05, 3.0, 0.60, f"{KINEMATICS}; {SPREAD}", mirror="swap:gain_left"
+    ),
     Parameter("axle_length", "b", "m", 0.100, 0.03, 1.0, 0.102, "Duckietown kinematics node: baseline 0.1 m"),
     Parameter("tau_forward", "tau_v", "s", 0.055, 0.005, 1.5, 0.06, MODEL),
     Parameter("tau_turn", "tau_w", "s", 0.125, 0.005, 1.5, 0.14, MODEL),
-    Parameter("wheel_radius_left", "R_l", "m", 0.0318, 0.005, 0.5, 0.032, KINEMATICS, mirror="swap:wheel_radius_right"),
-    Parameter("wheel_radius_right", "R_r", "m", 0.0318, 0.005, 0.5, 0.032, KINEMATICS, mirror="swap:wheel_radius_left"),
+    Parameter(
+        "wheel_radius_left",
+        "R_l",
+        "m",
+        0.0318,
+        0.005,
+        0.5,
+        0.032,
+        KINEMATICS,
+        mirror="swap:wheel_radius_right",
+    ),
+    Parameter(
+        "wheel_radius_right",
+        "R_r",
+        "m",
+        0.0318,
+        0.005,
+        0.5,
+        0.032,
+        KINEMATICS,
+        mirror="swap:wheel_radius_left",
+    ),
     Parameter("mass", "m", "kg", 1.1, 0.2, 100.0, 1.1, f"DB18 with battery, {ASSUMED}", fitted=False),
     Parameter("friction", "mu", "1", 0.75, 0.05, 50.0, 0.75, f"rubber on foam mats, {ASSUMED}", fitted=False),
-    Parameter("slip_speed", "s0", "m/s", 0.0125, 1e-5, 0.2, 0.0125, f"tyre lag of 2 to 3 ms, {ASSUMED}", fitted=False),
+    Parameter(
+        "slip_speed",
+        "s0",
+        "m/s",
+        0.0125,
+        1e-5,
+        0.2,
+        0.0125,
+        f"tyre lag of 2 to 3 ms, {ASSUMED}",
+        fitted=False,
+    ),
     Parameter("caster_share", "c", "1", 0.0, 0.0, 0.6, 0.1, f"weight on the caster, {ASSUMED}", fitted=False),
     Parameter("wheel_inertia", "J", "kg m2", 2.8e-4, 0.0, 0.1, 2.8e-4, ROTOR, fitted=False),
 )
@@ -46,8 +82,8 @@ NUISANCE = ("gain_left", "gain_right", "axle_length", "tau_forward", "tau_turn")
 class ParameterTable:
     """Where each parameter lies in P.
 
-    entries : the parameters in order; names : their full names; index : name to place; owner : name of the effect of
-    each place ("" for the base); first : place of each effect's first parameter.
+    entries : the parameters in order; names : their full names; index : name to place; owner : name of the
+    effect of each place ("" for the base); first : place of each effect's first parameter.
     """
 
     entries: tuple[Parameter, ...]
@@ -80,7 +116,11 @@ class ParameterTable:
 
     def active_effects(self, vector: FloatArray) -> tuple[str, ...]:
         """Return the names of the effects that `vector` switches on."""
-        on = [o for o, e, x in zip(self.owner, self.entries, vector, strict=True) if o and e.strength and x != e.null]
+        on = [
+            o
+            for o, e, x in zip(self.owner, self.entries, vector, strict=True)
+            if o and e.strength and x != e.null
+        ]
         return tuple(dict.fromkeys(on))
 
     def check(self, vector: FloatArray, where: str = "") -> None:

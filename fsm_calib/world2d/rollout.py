@@ -1,7 +1,8 @@
-"""The fast roll-out: drive the robot of a parameter vector with recorded commands and say what would be measured.
+"""The fast roll-out: drive the robot of a parameter vector with recorded commands and say what would be
+measured.
 
-The same compiled step as the pymunk body's (`body`), without contacts. Everything here is a function of arrays; nothing
-is kept between calls but the compiled program (`kernel`).
+The same compiled step as the pymunk body's (`body`), without contacts. Everything here is a function of
+arrays; nothing is kept between calls but the compiled program (`kernel`).
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsm_calib.errors import InputError
 from fsm_calib.types import FloatArray, read_only
@@ -23,16 +25,19 @@ COLUMNS = ("x", "y", "theta", "v", "v_lateral", "omega", "wheel_angle_left", "wh
            "rim_speed_right", "time", "is_moving")  # fmt: skip
 """Columns of a result [m, m, rad, m/s, m/s, rad/s, rad, rad, m/s, m/s, s, 0 or 1]; theta is not wrapped."""
 FIT_STEP = 0.005
-"""Longest step of a roll-out [s]: `benchmarks/rollout.py` prints its error, a hundredth of a tag pose's noise."""
+"""Longest step of a roll-out [s]: `benchmarks/rollout.py` prints its error, a hundredth of a tag pose's
+noise."""
 WORLD_STEP = 0.002
 """Longest step of a simulated world [s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """Held commands: `left[j]`, `right[j]` [1, full command] act from `time[j]` [s] until the next; zero before the first.
+    """Held commands: `left[j]`, `right[j]` [1, full command] act from `time[j]` [s] until the next; zero
+    before the first.
 
-    Arrays of shape (n,), times strictly increasing, at least one row. Rates in rad/s are divided by the maximum first.
+    Arrays of shape (n,), times strictly increasing, at least one row. Rates in rad/s are divided by the
+    maximum first.
     """
 
     time: FloatArray
@@ -50,7 +55,9 @@ class Drive:
             )
         if np.any(np.diff(self.time) <= 0.0):
             row = int(np.argmax(np.diff(self.time) <= 0.0)) + 1
-            raise InputError(f"the command times do not increase at row {row}", cure="Sort them and drop repeats.")
+            raise InputError(
+                f"the command times do not increase at row {row}", cure="Sort them and drop repeats."
+            )
         for name in ("time", "left", "right"):
             if not np.all(np.isfinite(getattr(self, name))):
                 raise InputError(f"a drive's {name} is not finite", cure="Drop those rows.")
@@ -66,19 +73,26 @@ def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return places, null values and flags' places of all parameters that switch an effect on."""
     table = parameter_table()
     flag = {name: i for i, name in enumerate(registry())}
-    rows = [(i, e.null, flag[o]) for i, (e, o) in enumerate(zip(table.entries, table.owner, strict=True)) if o and e.strength]
+    rows = [
+        (i, e.null, flag[o])
+        for i, (e, o) in enumerate(zip(table.entries, table.owner, strict=True))
+        if o and e.strength
+    ]
     places, nulls, flags = zip(*rows, strict=True)
     return np.array(places), np.array(nulls), np.array(flags)
 
 
 @cache
-def _needs_place() -> FloatArray:
+def _needs_place() -> NDArray[np.bool_]:
     """Return one flag an effect: whether its step hook reads place, heading or roll."""
-    needs = [bool(set(e.regimes) & {"place", "heading", "wheel_phase"}) and "step" in e.hooks for e in registry().values()]
+    needs = [
+        bool(set(e.regimes) & {"place", "heading", "wheel_phase"}) and "step" in e.hooks
+        for e in registry().values()
+    ]
     return np.array(needs)
 
 
-def active_flags(parameters: FloatArray) -> FloatArray:
+def active_flags(parameters: FloatArray) -> NDArray[np.bool_]:
     """Return which effects a vector (or each row of a matrix) switches on, shape (..., effects), bool."""
     places, nulls, flags = _strengths()
     differs = np.asarray(parameters)[..., places] != nulls
@@ -93,7 +107,9 @@ def _start(x0: Sequence[float] | FloatArray) -> FloatArray:
     start = np.zeros(6)
     x0 = np.asarray(x0, dtype=float).ravel()
     if x0.size not in (3, 6) or not np.all(np.isfinite(x0)):
-        raise InputError(f"the start has {x0.size} numbers, expected a finite x, y, theta and perhaps v, v_lateral, omega")
+        raise InputError(
+            f"the start has {x0.size} numbers, expected a finite x, y, theta and perhaps v, v_lateral, omega"
+        )
     start[: x0.size] = x0
     return start
 
@@ -101,23 +117,30 @@ def _start(x0: Sequence[float] | FloatArray) -> FloatArray:
 def track_at(pose_track: FloatArray | None, samples: FloatArray, parameters: FloatArray) -> FloatArray:
     """Return place, heading and wheel angles at the sample times, shape (n, 5).
 
-    `pose_track`, shape (m, 4) or (m, 6): time [s], x, y [m], theta [rad] (not wrapped), and perhaps the wheels' angles
-    [rad]; without them the angles follow from the path by rolling without slip. Between and beyond rows: linear, held.
+    `pose_track`, shape (m, 4) or (m, 6): time [s], x, y [m], theta [rad] (not wrapped), and perhaps the
+    wheels' angles [rad]; without them the angles follow from the path by rolling without slip. Between and
+    beyond rows: linear, held.
     """
     if pose_track is None:
         return np.zeros((0, 5))
     track = np.asarray(pose_track, dtype=float)
     if track.ndim != 2 or track.shape[1] not in (4, 6) or len(track) < 1:
-        raise InputError(f"a track of shape {track.shape}, expected (n, 4): t, x, y, theta, or (n, 6) with wheel angles")
+        raise InputError(
+            f"a track of shape {track.shape}, expected (n, 4): t, x, y, theta, or (n, 6) with wheel angles"
+        )
     if track.shape[1] == 4:
         track = np.column_stack([track, rolled_angles(track, parameters)])
     return np.column_stack([np.interp(samples, track[:, 0], track[:, i]) for i in range(1, 6)])
 
 
 def rolled_angles(track: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Return the wheels' angles [rad], shape (m, 2), of a path (t, x, y, theta) rolled without slip from zero."""
+    """Return the wheels' angles [rad], shape (m, 2), of a path (t, x, y, theta) rolled without slip from
+    zero.
+    """
     table = parameter_table()
-    axle, left, right = (parameters[table.index[n]] for n in ("axle_length", "wheel_radius_left", "wheel_radius_right"))
+    axle, left, right = (
+        parameters[table.index[n]] for n in ("axle_length", "wheel_radius_left", "wheel_radius_right")
+    )
     dx, dy, turn = np.diff(track[:, 1]), np.diff(track[:, 2]), np.diff(track[:, 3])
     heading = 0.5 * (track[1:, 3] + track[:-1, 3])
     ahead = dx * np.cos(heading) + dy * np.sin(heading)
@@ -146,7 +169,8 @@ def simulate(
     x0 : sequence
         Pose at `t_grid[0]`, at rest; or pose and twist (v, v_lateral, omega).
     pose_track : array, optional
-        See `track_at`: stands in for the simulated pose where an effect asks for place, heading or wheel phase.
+        See `track_at`: stands in for the simulated pose where an effect asks for place, heading or wheel
+        phase.
     dt : float
         Longest step [s]; the effective one divides each interval.
     """
@@ -161,7 +185,9 @@ def simulate_many(
     pose_track: FloatArray | None = None,
     dt: float = FIT_STEP,
 ) -> FloatArray:
-    """Return the states of every row of `parameters`, shape (k, p), as `simulate` does; result of shape (k, n, 12)."""
+    """Return the states of every row of `parameters`, shape (k, p), as `simulate` does; result of shape (k,
+    n, 12).
+    """
     matrix = np.ascontiguousarray(parameters, dtype=float)
     samples = np.ascontiguousarray(t_grid, dtype=float)
     if not dt > 0.0:
@@ -172,5 +198,7 @@ def simulate_many(
     starts = np.tile(_start(x0), (len(matrix), 1))
     out = np.empty((len(matrix), samples.size, OUTPUTS))
     times, left, right = drive.padded(samples[0])
-    kernel().run_many(matrix, on, memory_places()[1], looks, times, left, right, samples, starts, track, dt, out)
+    kernel().run_many(
+        matrix, on, memory_places()[1], looks, times, left, right, samples, starts, track, dt, out
+    )
     return out

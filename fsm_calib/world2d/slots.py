@@ -1,8 +1,9 @@
 """Names of the numbers that one integration step works on: the state `S` and the workbench `W`.
 
-Both are flat arrays of float64, because that is what compiled code passes around for nothing. An effect's hook reads
-and changes entries of `W` (and its own memory at the end of `S`) by these names. Pairs are left then right, so that
-`W[TARGET + side]` with side 0 (left) or 1 (right) works. Frames and units are those of `fsm_calib.types`.
+Both are flat arrays of float64, because that is what compiled code passes around for nothing. An effect's
+hook reads and changes entries of `W` (and its own memory at the end of `S`) by these names. Pairs are left
+then right, so that `W[TARGET + side]` with side 0 (left) or 1 (right) works. Frames and units are those of
+`fsm_calib.types`.
 """
 
 from __future__ import annotations
@@ -49,9 +50,11 @@ MASS, INERTIA = 22, 23
 COM_X, COM_Y = 24, 25
 """Centre of mass in `base` [m]."""
 PLACE_X, PLACE_Y, COS, SIN = 26, 27, 28, 29
-"""Where the robot is for effects that depend on place or heading: measured when a track is given, else simulated."""
+"""Where the robot is for effects that depend on place or heading: measured when a track is given, else
+simulated."""
 ROLL = 30
-"""Angles of the wheels for effects that depend on them [rad] (30, 31): from the track when given, else simulated."""
+"""Angles of the wheels for effects that depend on them [rad] (30, 31): from the track when given, else
+simulated."""
 HALF_AXLE = 32
 """Half the distance between the wheels [m]."""
 RADIUS = 33
@@ -59,7 +62,8 @@ RADIUS = 33
 SLIP_STIFFNESS = 35
 """Secant stiffness of the tyres in this step, force per slip speed [N s/m] (35, 36)."""
 LINE_FORCE, LINE_SLOPE = 37, 39
-"""The wheel as the body feels it: force along = force (37, 38) [N] - slope (39, 40) [N s/m] times its ground speed."""
+"""The wheel as the body feels it: force along = force (37, 38) [N] - slope (39, 40) [N s/m] times its ground
+speed."""
 NEXT = 41
 """State after the step: x, y, theta, v, l, omega (41 to 46)."""
 MEAN_VX, MEAN_VY, MEAN_OMEGA = 47, 48, 49
@@ -84,7 +88,8 @@ GRAVITY = 9.80665
 CASTER_ARM = 0.083
 """Distance of the caster's pivot behind the axle [m] (Duckietown URDF, duckiebot.urdf.xacro, DB18)."""
 CREEP_SPEED = 1e-3
-"""Speed below which dry friction on the body acts like a stiff damper [m/s]: a fifth of what tag poses can see in 1 s."""
+"""Speed below which dry friction on the body acts like a stiff damper [m/s]: a fifth of what tag poses can
+see in 1 s."""
 CREEP_RATE = 1e-2
 """The same for turning [rad/s]: the creep speed at a tenth of a metre."""
 EDGE = 0.01

@@ -2,9 +2,9 @@ r"""The supply sags: with the charge that was drawn, and at once with the load.
 
     T = K u (1 - per_charge Q - per_load (|u_l| + |u_r|)),    dQ/dt = |u_l| + |u_r|
 
-T [m/s] no-load rim speed, K [m/s] gain, u [1] commands, Q [s] seconds of full command drawn by both motors since the
-start of the recording, per_charge [1/s], per_load [1]. Both wheels alike. Source: Thevenin cell, e.g. Plett, Battery Management
-Systems I, 2015, section 2.2.
+T [m/s] no-load rim speed, K [m/s] gain, u [1] commands, Q [s] seconds of full command drawn by both motors
+since the start of the recording, per_charge [1/s], per_load [1]. Both wheels alike. Source: Thevenin cell,
+e.g. Plett, Battery Management Systems I, 2015, section 2.2.
 """
 
 from __future__ import annotations
@@ -31,7 +31,17 @@ EFFECT = Effect(
     summary="both motors weaken with the charge drawn and the load",
     equation="T = K u (1 - per_charge Q - per_load sum|u|)",
     parameters=(
-        Parameter("per_charge", "beta", "1/s", 0.0, -0.002, 0.02, 0.004, "3 to 10 % in a run of some minutes", starts=(0.004,)),
+        Parameter(
+            "per_charge",
+            "beta",
+            "1/s",
+            0.0,
+            -0.002,
+            0.02,
+            0.004,
+            "3 to 10 % in a run of some minutes",
+            starts=(0.004,),
+        ),
         Parameter("per_load", "rho", "1", 0.0, -0.1, 0.3, 0.03, "1 to 5 % at full load", starts=(0.05,)),
     ),
     hooks={"step": sag},

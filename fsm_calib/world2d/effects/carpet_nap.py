@@ -2,9 +2,10 @@ r"""A carpet's pile resists more against its lie than along it.
 
     F = -(|n| - n . d) d v / sqrt(v^2 + creep^2)
 
-d: unit vector of the motion (forward or backward) in `world`, v [m/s] its speed, n [N]: the nap's vector, pointing where
-driving is easiest: no additional drag along it, |n| across it, 2 |n| against it. It only ever resists. Source: direction
-dependence of rolling resistance on pile carpet; the cosine is the lowest harmonic (assumed).
+d: unit vector of the motion (forward or backward) in `world`, v [m/s] its speed, n [N]: the nap's vector,
+pointing where driving is easiest: no additional drag along it, |n| across it, 2 |n| against it. It only ever
+resists. Source: direction dependence of rolling resistance on pile carpet; the cosine is the lowest harmonic
+(assumed).
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.dynamics import add_dry_friction
 from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.forces import add_dry_friction
 from fsm_calib.world2d.slots import COS, CREEP_SPEED, MASS, SIN, V
 
 
@@ -34,7 +35,18 @@ EFFECT = Effect(
     equation="F = -(|n| - n.d) d sgn(v)",
     parameters=(
         Parameter("x", "n_x", "N", 0.0, -3.0, 3.0, 0.2, "2 to 10 % of the weight", starts=(0.2, -0.2, 0.0)),
-        Parameter("y", "n_y", "N", 0.0, -3.0, 3.0, 0.15, "2 to 10 % of the weight", mirror="negate", starts=(0.0, 0.2, -0.2)),
+        Parameter(
+            "y",
+            "n_y",
+            "N",
+            0.0,
+            -3.0,
+            3.0,
+            0.15,
+            "2 to 10 % of the weight",
+            mirror="negate",
+            starts=(0.0, 0.2, -0.2),
+        ),
     ),
     hooks={"step": resist},
     channels=("forward",),

@@ -4,12 +4,13 @@ r"""The caster drags, and kicks when it swivels.
     F_kick = -kick n (n . v_p) / sqrt((n . v_p)^2 + swivel^2)    across a caster that is not yet aligned
     d psi / dt = (n . v_p) / trail - omega
 
-v_p [m/s] velocity of the caster's pivot, `arm` [m] behind the axle; psi [rad] direction of the caster's wheel in `base`
-(0: straight ahead), n the unit vector across it, trail [m] distance of its wheel behind the pivot, drag and kick [N]. A
-ball caster only drags; a swivelling one stands on the wrong side of its pivot after a reversal and turns over within a
-few trail lengths of travel, pushing sideways. Below the creep speed the drag is a stiff damper. Sources: dry friction of
-a ball caster; trailing wheel after Chung & Iagnemma, in Springer Handbook of Robotics, 2nd ed. 2016, section 24.1;
-Duckietown URDF for the arm (0.083 m, 0.085 m on newer robots).
+v_p [m/s] velocity of the caster's pivot, `arm` [m] behind the axle; psi [rad] direction of the caster's wheel
+in `base` (0: straight ahead), n the unit vector across it, trail [m] distance of its wheel behind the pivot,
+drag and kick [N]. A ball caster only drags; a swivelling one stands on the wrong side of its pivot after a
+reversal and turns over within a few trail lengths of travel, pushing sideways. Below the creep speed the drag
+is a stiff damper. Sources: dry friction of a ball caster; trailing wheel after Chung & Iagnemma, in Springer
+Handbook of Robotics, 2nd ed. 2016, section 24.1; Duckietown URDF for the arm (0.083 m, 0.085 m on newer
+robots).
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.dynamics import STEPS_TO_STOP, add_damper, add_force, add_oblique_damper
 from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.forces import STEPS_TO_STOP, add_damper, add_force, add_oblique_damper
 from fsm_calib.world2d.slots import CREEP_SPEED, MASS, OMEGA, STEP, L, V
 
 SWIVEL_SPEED = 0.02
@@ -53,7 +54,8 @@ def drag_and_swivel(P, o, S, m, W):
 
 @njit(error_model="numpy")
 def turn_towards(psi, turn, travel, body):
-    """Return the caster's direction after `travel` trail lengths towards `turn` [rad] while the body turns by `body` [rad].
+    """Return the caster's direction after `travel` trail lengths towards `turn` [rad] while the body turns by
+    `body` [rad].
 
     The exact solution of d gap / d travel = -sin(gap): tan(gap / 2) decays exponentially.
     """
@@ -70,7 +72,17 @@ EFFECT = Effect(
     summary="the caster drags, and kicks when it swivels",
     equation="F = -drag v_p/|v_p| - kick n sgn(n.v_p), dpsi/dt = n.v_p/trail - omega",
     parameters=(
-        Parameter("drag", "F_c", "N", 0.0, 0.0, 4.0, 0.3, "2 to 10 % of the weight on it, more on carpet", starts=(0.2, 0.6)),
+        Parameter(
+            "drag",
+            "F_c",
+            "N",
+            0.0,
+            0.0,
+            4.0,
+            0.3,
+            "2 to 10 % of the weight on it, more on carpet",
+            starts=(0.2, 0.6),
+        ),
         Parameter("kick", "F_k", "N", 0.0, 0.0, 4.0, 0.0, "of the drag's size", starts=(0.3,)),
         Parameter("arm", "a", "m", 0.075, 0.02, 0.5, 0.075, "0.07 to 0.085 on Duckiebots", strength=False),
     ),

@@ -2,8 +2,8 @@ r"""The pose sensor's clock runs fast or slow against the robot's.
 
     t_stamp = (1 + drift) t_robot         both from the recording's zero
 
-drift [1]: seconds that the sensor's clock gains in each second. Source: quartz clocks drift 20 to 200 ppm, software
-stamps up to 1e-3; Mills, Computer Network Time Synchronization, 2nd ed. 2010, section 12.
+drift [1]: seconds that the sensor's clock gains in each second. Source: quartz clocks drift 20 to 200 ppm,
+software stamps up to 1e-3; Mills, Computer Network Time Synchronization, 2nd ed. 2010, section 12.
 """
 
 from __future__ import annotations
@@ -22,7 +22,19 @@ EFFECT = Effect(
     family="timing",
     summary="the pose clock runs fast or slow",
     equation="t_stamp = (1 + drift) t_robot",
-    parameters=(Parameter("drift", "epsilon", "1", 0.0, -0.05, 0.05, 0.003, "1e-5 to 1e-3, more for software", starts=(0.002, -0.002)),),
+    parameters=(
+        Parameter(
+            "drift",
+            "epsilon",
+            "1",
+            0.0,
+            -0.05,
+            0.05,
+            0.003,
+            "1e-5 to 1e-3, more for software",
+            starts=(0.002, -0.002),
+        ),
+    ),
     hooks={"clock": drift},
     channels=("sensor", "forward", "turn"),
     regimes=("late", "transient"),

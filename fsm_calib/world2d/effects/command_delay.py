@@ -2,8 +2,8 @@ r"""Commands act later than they are logged.
 
     u_effective(t) = u(t - delay)
 
-delay [s]: radio, queue and driver between the logged command and the motors' voltage. Sources: duckietown-world's
-`ApplyDelay` uses 0.15 s; robots on Wi-Fi report 20 to 150 ms.
+delay [s]: radio, queue and driver between the logged command and the motors' voltage. Sources:
+duckietown-world's `ApplyDelay` uses 0.15 s; robots on Wi-Fi report 20 to 150 ms.
 """
 
 from __future__ import annotations
@@ -25,7 +25,17 @@ EFFECT = Effect(
     summary="commands act later than logged",
     equation="u_eff(t) = u(t - delay)",
     parameters=(
-        Parameter("delay", "d", "s", 0.0, 0.0, 0.6, 0.08, "duckietown-world ApplyDelay: 0.15 s", starts=(0.05, 0.12, 0.2)),
+        Parameter(
+            "delay",
+            "d",
+            "s",
+            0.0,
+            0.0,
+            0.6,
+            0.08,
+            "duckietown-world ApplyDelay: 0.15 s",
+            starts=(0.05, 0.12, 0.2),
+        ),
     ),
     hooks={"delay": late},
     channels=("forward", "turn"),

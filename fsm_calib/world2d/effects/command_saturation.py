@@ -2,8 +2,8 @@ r"""Commands above a limit are cut.
 
     u_effective = min(max(u, -limit), limit)
 
-limit [1]: a setting of the kinematics node (`limit`, 0.1 to 1) or a supply that gives no more. Null is 2: never
-reached. Source: Duckietown kinematics_node.py.
+limit [1]: a setting of the kinematics node (`limit`, 0.1 to 1) or a supply that gives no more. Null is 2:
+never reached. Source: Duckietown kinematics_node.py.
 """
 
 from __future__ import annotations

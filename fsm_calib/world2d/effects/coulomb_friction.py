@@ -3,9 +3,10 @@ r"""Dry friction in motor and gearbox: a torque that always opposes the wheel's 
     R F = tau_motor - tau_c sgn(w)            w != 0
     w = 0                                     |tau_motor - R F_tyre| <= tau_c
 
-tau_c [N m] friction torque of one wheel: friction, plus or minus half the difference for left and right; R [m] wheel
-radius, w [m/s] rim speed, F [N] force at the rim. Sources: Armstrong-Helouvry, Dupont & Canudas de Wit, Automatica 30
-(1994) 1083, section 2; Park, Lee & Kuipers, ICRA 2017 (dry friction of a small differential drive).
+tau_c [N m] friction torque of one wheel: friction, plus or minus half the difference for left and right; R
+[m] wheel radius, w [m/s] rim speed, F [N] force at the rim. Sources: Armstrong-Helouvry, Dupont & Canudas de
+Wit, Automatica 30 (1994) 1083, section 2; Park, Lee & Kuipers, ICRA 2017 (dry friction of a small
+differential drive).
 """
 
 from __future__ import annotations
@@ -29,8 +30,20 @@ EFFECT = Effect(
     summary="dry friction in the drive train",
     equation="R F = tau_motor - tau_c sgn(w), held at w = 0",
     parameters=(
-        Parameter("friction", "tau_c", "N m", 0.0, 0.0, 0.1, 0.008, "3 to 10 % of the stall torque", starts=(0.004, 0.012)),
-        Parameter("difference", "delta_tau", "N m", 0.0, -0.1, 0.1, 0.004, "left more than right", mirror="negate"),
+        Parameter(
+            "friction",
+            "tau_c",
+            "N m",
+            0.0,
+            0.0,
+            0.1,
+            0.008,
+            "3 to 10 % of the stall torque",
+            starts=(0.004, 0.012),
+        ),
+        Parameter(
+            "difference", "delta_tau", "N m", 0.0, -0.1, 0.1, 0.004, "left more than right", mirror="negate"
+        ),
     ),
     hooks={"step": resist},
     channels=("forward", "turn"),

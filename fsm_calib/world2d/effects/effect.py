@@ -1,18 +1,19 @@
 """What an effect declares: its equation, parameters, hooks, where it shows and what it can be taken for.
 
-An effect is one module of this package with a constant `EFFECT`. Its hooks are small compiled functions; `kernel`
-weaves those of all effects into one program, so that any combination runs without compiling again:
+An effect is one module of this package with a constant `EFFECT`. Its hooks are small compiled functions;
+`kernel` weaves those of all effects into one program, so that any combination runs without compiling again:
 
     begin(P, o, W)             once per roll-out: masses, geometry, loads
     shape(P, o, u, side) -> u  static map of a held command [1] of one wheel (side 0 left, 1 right)
     delay(P, o) -> seconds     how much later a command acts
     step(P, o, S, m, W)        once per step, before the wheels meet the ground; may keep memory in S[m:]
 
-P is the parameter vector and o the place of the effect's first parameter; S, W are the arrays of `slots`. Two hooks
-work on whole recordings, with NumPy:
+P is the parameter vector and o the place of the effect's first parameter; S, W are the arrays of `slots`. Two
+hooks work on whole recordings, with NumPy:
 
     clock(p, t) -> t           time stamps of the pose sensor [s] to the robot's time [s]
-    observe(p, poses, places)  the sensor's poses, shape (n, 3), from the robot's; `places`, shape (n, 2), is where the
+    observe(p, poses, places)  the sensor's poses, shape (n, 3), from the robot's; `places`, shape (n, 2), is
+    where the
                                robot is known to be, for effects of places
 """
 
@@ -44,15 +45,15 @@ class Parameter:
     source : str
         Where bounds and typical size come from.
     strength : bool
-        Whether the effect is off while this has its null value (and all other strengths too). The others say where,
-        when or how and mean nothing while the strengths are null.
+        Whether the effect is off while this has its null value (and all other strengths too). The others say
+        where, when or how and mean nothing while the strengths are null.
     per_recording : bool
         Whether the value belongs to one recording (a phase, the time of an event) and not to the robot.
     fitted : bool
         Whether poses can tell it at all; the others serve the world only.
     mirror : str
-        What becomes of the value when left and right change places: ``same``, ``negate``, ``complement`` (of a full
-        difference) or ``swap:NAME`` with the value of another parameter.
+        What becomes of the value when left and right change places: ``same``, ``negate``, ``complement`` (of
+        a full difference) or ``swap:NAME`` with the value of another parameter.
     starts : tuple of float
         Values from which a fit should be started when the null value does not lead to the truth.
     step : float
@@ -84,12 +85,13 @@ class Parameter:
 class Effect:
     """One piece of physics that a simulation may leave out.
 
-    `equation` is one line of text (the module's docstring explains it); `channels` and `regimes` say where it shows;
-    `family` groups effects that a report may name together when it cannot decide; `rivals` are the names it is easily
-    taken for, `separates` says what tells them apart and `manoeuvre` which drive shows it; `sentence` is the report's
-    line, with ``{parameter}`` for fitted values; `variants` are the sets of parameters worth fitting (empty: all);
-    `scan` tells the diagnosis to look for a ``place`` or a ``time``; `memory` counts the state slots that the step hook
-    keeps; `order` sorts hooks within a stage (small first); `per_recording` as in `Parameter`.
+    `equation` is one line of text (the module's docstring explains it); `channels` and `regimes` say where it
+    shows; `family` groups effects that a report may name together when it cannot decide; `rivals` are the
+    names it is easily taken for, `separates` says what tells them apart and `manoeuvre` which drive shows it;
+    `sentence` is the report's line, with ``{parameter}`` for fitted values; `variants` are the sets of
+    parameters worth fitting (empty: all); `scan` tells the diagnosis to look for a ``place`` or a ``time``;
+    `memory` counts the state slots that the step hook keeps; `order` sorts hooks within a stage (small
+    first); `per_recording` as in `Parameter`.
     """
 
     name: str
@@ -115,7 +117,9 @@ class Effect:
         """Freeze the hooks and refuse unknown stages."""
         unknown = set(self.hooks) - set(HOOKS)
         if unknown:
-            raise ValueError(f"effect {self.name}: unknown hooks {sorted(unknown)}; known: {', '.join(HOOKS)}")
+            raise ValueError(
+                f"effect {self.name}: unknown hooks {sorted(unknown)}; known: {', '.join(HOOKS)}"
+            )
         object.__setattr__(self, "hooks", MappingProxyType(dict(self.hooks)))
 
     @property

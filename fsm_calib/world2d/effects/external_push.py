@@ -2,16 +2,17 @@ r"""Somebody or something pushes the robot once.
 
     F = (impulse_x, impulse_y) / duration,  M = impulse_turn / duration      start <= t < start + duration
 
-F [N] in `world` at the axle centre, M [N m], impulses [N s] and [N m s], start and duration [s]. Source: momentum balance.
+F [N] in `world` at the axle centre, M [N m], impulses [N s] and [N m s], start and duration [s]. Source:
+momentum balance.
 """
 
 from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.dynamics import add_force
 from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.effects.places import overlap
+from fsm_calib.world2d.forces import add_force
 from fsm_calib.world2d.slots import COS, SIN, STEP, TIME
 
 
@@ -29,11 +30,40 @@ EFFECT = Effect(
     summary="one push from outside",
     equation="F = impulse / duration from start",
     parameters=(
-        Parameter("impulse_x", "J_x", "N s", 0.0, -5.0, 5.0, 0.4, "a nudge: 0.2 to 1 N s", per_recording=True),
-        Parameter("impulse_y", "J_y", "N s", 0.0, -5.0, 5.0, 0.2, "a nudge", per_recording=True, mirror="negate"),
-        Parameter("impulse_turn", "J_w", "N m s", 0.0, -0.5, 0.5, 0.02, "a nudge", per_recording=True, mirror="negate"),
-        Parameter("start", "t0", "s", 0.0, -1.0, 1e5, 7.0, "any", strength=False, per_recording=True, step=5e-3),
-        Parameter("duration", "dt", "s", 0.2, 0.02, 2.0, 0.2, "0.1 to 0.4 s", strength=False, per_recording=True, step=5e-3),
+        Parameter(
+            "impulse_x", "J_x", "N s", 0.0, -5.0, 5.0, 0.4, "a nudge: 0.2 to 1 N s", per_recording=True
+        ),
+        Parameter(
+            "impulse_y", "J_y", "N s", 0.0, -5.0, 5.0, 0.2, "a nudge", per_recording=True, mirror="negate"
+        ),
+        Parameter(
+            "impulse_turn",
+            "J_w",
+            "N m s",
+            0.0,
+            -0.5,
+            0.5,
+            0.02,
+            "a nudge",
+            per_recording=True,
+            mirror="negate",
+        ),
+        Parameter(
+            "start", "t0", "s", 0.0, -1.0, 1e5, 7.0, "any", strength=False, per_recording=True, step=5e-3
+        ),
+        Parameter(
+            "duration",
+            "dt",
+            "s",
+            0.2,
+            0.02,
+            2.0,
+            0.2,
+            "0.1 to 0.4 s",
+            strength=False,
+            per_recording=True,
+            step=5e-3,
+        ),
     ),
     hooks={"step": push},
     channels=("forward", "lateral", "turn"),

@@ -2,16 +2,16 @@ r"""The floor is not level.
 
     F = -m g (slope_x, slope_y)       in `world`, at the centre of mass
 
-m [kg], g = 9.80665 m/s2, slope_x and slope_y [rad]: rise of the floor along the axes of `world` (small angles). The
-robot rolls downhill also with its motors off. Source: gravity on an inclined plane.
+m [kg], g = 9.80665 m/s2, slope_x and slope_y [rad]: rise of the floor along the axes of `world` (small
+angles). The robot rolls downhill also with its motors off. Source: gravity on an inclined plane.
 """
 
 from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.dynamics import add_force
 from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.forces import add_force
 from fsm_calib.world2d.slots import COM_X, COM_Y, COS, GRAVITY, MASS, SIN
 
 

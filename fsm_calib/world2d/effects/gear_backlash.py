@@ -1,21 +1,21 @@
 r"""Play in the gears: after each change of the torque's sign the motor crosses a gap before it drives again.
 
-    d p / d t = (w_m - v_i) / R,    0 <= p <= gap;    m_w d w_m / d t = D (T - w_m),  F = 0    while 0 < p < gap
+    d p / d t = (w_m - v_i) / R,    0 <= p <= gap;    m_w d w_m / d t = D (T - w_m),  F = 0    while 0 < p <
+    gap
 
-p [rad] place of the motor's tooth in the gap, seen at the wheel, gap [rad] the whole play, w_m [m/s] the motor's speed as
-a rim speed, v_i [m/s] the ground's speed at the wheel, R [m] radius, m_w [kg] rotating inertia, D [N s/m] and T [m/s]
-the motor's line. The step in which the tooth arrives drives for the rest of it, and begins with the motor's momentum.
-Source: Nordin & Gutman, Automatica 38 (2002) 1633, section 3.
+p [rad] place of the motor's tooth in the gap, seen at the wheel, gap [rad] the whole play, w_m [m/s] the
+motor's speed as a rim speed, v_i [m/s] the ground's speed at the wheel, R [m] radius, m_w [kg] rotating
+inertia, D [N s/m] and T [m/s] the motor's line. The step in which the tooth arrives drives for the rest of
+it, and begins with the motor's momentum. Source: Nordin & Gutman, Automatica 38 (2002) 1633, section 3.
 """
 
 from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.dynamics import free_speed
 from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.slots import DRIVE, ENGAGED, HALF_AXLE, OMEGA, RADIUS, RIM, ROTATING, STEP, TARGET, V
-
+from fsm_calib.world2d.tyres import free_speed
 
 TOUCH = 1e-9
 """Travel [rad] in one step below which teeth that touch are taken to stay engaged."""
@@ -42,7 +42,19 @@ EFFECT = Effect(
     family="timing",
     summary="play in the gears",
     equation="dp/dt = (w_m - v_i)/R in [0, gap], F = 0 inside",
-    parameters=(Parameter("gap", "delta", "rad", 0.0, 0.0, 1.5, 0.15, "2 to 10 degrees at the wheel", starts=(0.05, 0.15, 0.4)),),
+    parameters=(
+        Parameter(
+            "gap",
+            "delta",
+            "rad",
+            0.0,
+            0.0,
+            1.5,
+            0.15,
+            "2 to 10 degrees at the wheel",
+            starts=(0.05, 0.15, 0.4),
+        ),
+    ),
     hooks={"step": cross_gap},
     channels=("forward", "turn"),
     regimes=("after_reversal", "transient"),

@@ -2,10 +2,10 @@ r"""The tyres yield sideways: in a curve the robot drifts outwards.
 
     S = l / (1/k + compliance')         compliance' = 2 compliance / m
 
-S [N] side force of a tyre, l [m/s] sideways speed, k [N s/m] its stiffness, m [kg] the robot's mass, compliance [s]:
-sideways speed over sideways acceleration that is added, so that l = -(base + compliance) v omega in a steady curve.
-Source: slip velocities of Seegmiller & Kelly, Robotics: Science and Systems 2014 (lateral slip proportional to
-centripetal acceleration).
+S [N] side force of a tyre, l [m/s] sideways speed, k [N s/m] its stiffness, m [kg] the robot's mass,
+compliance [s]: sideways speed over sideways acceleration that is added, so that l = -(base + compliance) v
+omega in a steady curve. Source: slip velocities of Seegmiller & Kelly, Robotics: Science and Systems 2014
+(lateral slip proportional to centripetal acceleration).
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ EFFECT = Effect(
     family="tyre",
     summary="drifts outwards in curves",
     equation="l = -compliance v omega",
-    parameters=(Parameter("compliance", "K_y", "s", 0.0, 0.0, 0.3, 0.015, "0.005 to 0.02 s", starts=(0.01, 0.03)),),
+    parameters=(
+        Parameter("compliance", "K_y", "s", 0.0, 0.0, 0.3, 0.015, "0.005 to 0.02 s", starts=(0.01, 0.03)),
+    ),
     hooks={"step": yield_sideways},
     channels=("lateral",),
     regimes=("fast_turn",),

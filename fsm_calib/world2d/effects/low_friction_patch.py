@@ -2,8 +2,9 @@ r"""A slippery spot: tyres that stand on it pass less force.
 
     mu_i = mu (1 - loss)        |p_i - (x, y)| <= radius
 
-mu [1] friction coefficient, loss [1] the part that is missing, p_i [m] place of wheel i, centre (x, y) and radius [m] of a
-disc. Wheels then spin up or slide. Source: combined slip of `dynamics`; Pacejka 2012, section 3.2.
+mu [1] friction coefficient, loss [1] the part that is missing, p_i [m] place of wheel i, centre (x, y) and
+radius [m] of a disc. Wheels then spin up or slide. Source: combined slip of `dynamics`; Pacejka 2012, section
+3.2.
 """
 
 from __future__ import annotations
@@ -29,10 +30,35 @@ EFFECT = Effect(
     summary="a slippery spot",
     equation="mu_i = mu (1 - loss) for wheels inside a disc",
     parameters=(
-        Parameter("loss", "q", "1", 0.0, 0.0, 0.995, 0.93, "dust, water or tape: 0.5 to 0.95", starts=(0.8, 0.95), step=1e-3),
+        Parameter(
+            "loss",
+            "q",
+            "1",
+            0.0,
+            0.0,
+            0.995,
+            0.93,
+            "dust, water or tape: 0.5 to 0.95",
+            starts=(0.8, 0.95),
+            step=1e-3,
+        ),
         Parameter("x", "x_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=2e-3),
-        Parameter("y", "y_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3),
-        Parameter("radius", "r_s", "m", 0.2, 0.03, 3.0, 0.25, "a spot of 5 to 40 cm", strength=False, step=2e-3, starts=(0.15, 0.25)),
+        Parameter(
+            "y", "y_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3
+        ),
+        Parameter(
+            "radius",
+            "r_s",
+            "m",
+            0.2,
+            0.03,
+            3.0,
+            0.25,
+            "a spot of 5 to 40 cm",
+            strength=False,
+            step=2e-3,
+            starts=(0.15, 0.25),
+        ),
     ),
     hooks={"step": slip},
     channels=("forward", "turn", "lateral"),

@@ -3,9 +3,9 @@ r"""One marker on the floor is not where the map says: poses measured by it are 
     pose_measured = T pose          |(x, y) - (x_m, y_m)| <= radius
     T: turn by `turn` about (x_m, y_m), then shift by (shift_x, shift_y)
 
-(x_m, y_m) [m] the marker, radius [m] within which it is the one that is seen, turn [rad] and shift [m] its error in the
-map. The robot does not feel it: the pose jumps on the way in and back on the way out. Source: map errors of tag
-localisation, e.g. Olson, ICRA 2011 (AprilTag), section V.
+(x_m, y_m) [m] the marker, radius [m] within which it is the one that is seen, turn [rad] and shift [m] its
+error in the map. The robot does not feel it: the pose jumps on the way in and back on the way out. Source:
+map errors of tag localisation, e.g. Olson, ICRA 2011 (AprilTag), section V.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ from fsm_calib.world2d.slots import EDGE
 
 
 def displace(p: FloatArray, poses: FloatArray, places: FloatArray) -> FloatArray:
-    """Return the poses as measured by the misplaced marker where it is seen, shape (n, 3); `places`, shape (n, 2), say where."""
+    """Return the poses as measured by the misplaced marker where it is seen, shape (n, 3); `places`, shape
+    (n, 2), say where.
+    """
     turn, shift_x, shift_y, x, y, radius = p
     dx, dy = places[:, 0] - x, places[:, 1] - y
     s = np.clip(0.5 + 0.5 * (radius - np.hypot(dx, dy)) / EDGE, 0.0, 1.0)
@@ -40,8 +42,22 @@ EFFECT = Effect(
         Parameter("shift_x", "s_x", "m", 0.0, -0.3, 0.3, 0.01, "2 to 20 mm"),
         Parameter("shift_y", "s_y", "m", 0.0, -0.3, 0.3, 0.0, "2 to 20 mm", mirror="negate"),
         Parameter("x", "x_m", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=2e-3),
-        Parameter("y", "y_m", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3),
-        Parameter("radius", "r_m", "m", 0.3, 0.05, 0.6, 0.3, "half the pitch of the markers to the view's reach", strength=False, step=2e-3, starts=(0.15, 0.3)),
+        Parameter(
+            "y", "y_m", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3
+        ),
+        Parameter(
+            "radius",
+            "r_m",
+            "m",
+            0.3,
+            0.05,
+            0.6,
+            0.3,
+            "half the pitch of the markers to the view's reach",
+            strength=False,
+            step=2e-3,
+            starts=(0.15, 0.3),
+        ),
     ),
     hooks={"observe": displace},
     channels=("sensor",),

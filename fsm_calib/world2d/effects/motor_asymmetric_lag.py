@@ -2,9 +2,10 @@ r"""Slowing down takes another time than speeding up.
 
     F = D (T - w) a,    a = 1 where the motor drives, a = 1 / ratio where it brakes ((T - w) w < 0)
 
-F [N] at the rim, D [N s/m], T no-load and w actual rim speed [m/s]; ratio [1] = time constant of slowing down over that
-of speeding up: above 1 for a driver that lets the motor coast, below 1 for one that shorts it. The change is spread
-over 1 cm/s around standstill and no-load. Source: H-bridge decay modes, e.g. TI DRV8833 data sheet, section 7.3.2.
+F [N] at the rim, D [N s/m], T no-load and w actual rim speed [m/s]; ratio [1] = time constant of slowing down
+over that of speeding up: above 1 for a driver that lets the motor coast, below 1 for one that shorts it. The
+change is spread over 1 cm/s around standstill and no-load. Source: H-bridge decay modes, e.g. TI DRV8833 data
+sheet, section 7.3.2.
 """
 
 from __future__ import annotations
@@ -35,7 +36,11 @@ EFFECT = Effect(
     family="timing",
     summary="slowing down takes another time than speeding up",
     equation="F = D (T - w) / ratio while braking",
-    parameters=(Parameter("ratio", "r", "1", 1.0, 0.2, 5.0, 1.6, "coast against brake: 1.3 to 2.5", starts=(0.7, 1.5)),),
+    parameters=(
+        Parameter(
+            "ratio", "r", "1", 1.0, 0.2, 5.0, 1.6, "coast against brake: 1.3 to 2.5", starts=(0.7, 1.5)
+        ),
+    ),
     hooks={"step": brake},
     channels=("forward", "turn"),
     regimes=("transient", "stopping"),

@@ -3,9 +3,10 @@ r"""The motor does not answer small commands, or the driver over-compensates for
     u_effective = sgn(u) max(|u| - d, 0)          d >= 0 (dead zone)
     u_effective = sgn(u) (|u| - d)                d < 0 (over-compensated), for |u| > 0.01, else 0
 
-u [1] command, d [1] offset. Duckietown's driver adds PWM 60 of 255 (0.235) to every command above 0.01 to cancel the
-motor's own dead zone; what is left over has either sign. Sources: dagu_wheels_driver.py (dt-duckiebot-interface); Tao &
-Kokotovic, Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996, chapter 2.
+u [1] command, d [1] offset. Duckietown's driver adds PWM 60 of 255 (0.235) to every command above 0.01 to
+cancel the motor's own dead zone; what is left over has either sign. Sources: dagu_wheels_driver.py
+(dt-duckiebot-interface); Tao & Kokotovic, Adaptive Control of Systems with Actuator and Sensor
+Nonlinearities, 1996, chapter 2.
 """
 
 from __future__ import annotations
@@ -35,7 +36,17 @@ EFFECT = Effect(
     summary="small commands do nothing, or too much (over-compensation)",
     equation="u_eff = sgn(u) max(|u| - d, 0)",
     parameters=(
-        Parameter("offset", "d", "1", 0.0, -0.4, 0.4, 0.05, "driver: 60/255 added, residual either sign", starts=(0.04, -0.04)),
+        Parameter(
+            "offset",
+            "d",
+            "1",
+            0.0,
+            -0.4,
+            0.4,
+            0.05,
+            "driver: 60/255 added, residual either sign",
+            starts=(0.04, -0.04),
+        ),
     ),
     hooks={"shape": offset},
     channels=("forward", "turn"),

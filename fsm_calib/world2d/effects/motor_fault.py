@@ -2,9 +2,9 @@ r"""For a time one motor (or both) loses part of its strength.
 
     T_i = K_i u_i (1 - loss_i)      start <= t < start + duration
 
-T [m/s] no-load rim speed of wheel i, K [m/s] gain, u [1] command, loss [1], start and duration [s] on the recording's
-clock. A loose plug, a stuck gear, a driver in thermal shutdown. Source: Roumeliotis, Sukhatme & Bekey, ICRA 1998 (the
-actuator faults of a mobile robot).
+T [m/s] no-load rim speed of wheel i, K [m/s] gain, u [1] command, loss [1], start and duration [s] on the
+recording's clock. A loose plug, a stuck gear, a driver in thermal shutdown. Source: Roumeliotis, Sukhatme &
+Bekey, ICRA 1998 (the actuator faults of a mobile robot).
 """
 
 from __future__ import annotations
@@ -30,10 +30,18 @@ EFFECT = Effect(
     summary="a motor weakens for a time",
     equation="T_i = K_i u_i (1 - loss_i) from start for duration",
     parameters=(
-        Parameter("loss_left", "f_l", "1", 0.0, -0.5, 1.0, 0.3, "any", mirror="swap:loss_right", per_recording=True),
-        Parameter("loss_right", "f_r", "1", 0.0, -0.5, 1.0, 0.0, "any", mirror="swap:loss_left", per_recording=True),
-        Parameter("start", "t0", "s", 0.0, 0.0, 1e5, 8.0, "any", strength=False, per_recording=True, step=0.01),
-        Parameter("duration", "dt", "s", 5.0, 0.1, 1e5, 6.0, "any", strength=False, per_recording=True, step=0.01),
+        Parameter(
+            "loss_left", "f_l", "1", 0.0, -0.5, 1.0, 0.3, "any", mirror="swap:loss_right", per_recording=True
+        ),
+        Parameter(
+            "loss_right", "f_r", "1", 0.0, -0.5, 1.0, 0.0, "any", mirror="swap:loss_left", per_recording=True
+        ),
+        Parameter(
+            "start", "t0", "s", 0.0, 0.0, 1e5, 8.0, "any", strength=False, per_recording=True, step=0.01
+        ),
+        Parameter(
+            "duration", "dt", "s", 5.0, 0.1, 1e5, 6.0, "any", strength=False, per_recording=True, step=0.01
+        ),
     ),
     hooks={"step": fail},
     channels=("forward", "turn"),

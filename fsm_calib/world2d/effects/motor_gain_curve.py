@@ -2,9 +2,10 @@ r"""Speed is not proportional to command: the gain falls (or grows) with the com
 
     u_effective = u (1 - gamma |u|)           |u| <= 1 / (2 gamma), constant beyond
 
-u [1] command, gamma [1] curvature: at command u the motor lacks gamma |u| of what its gain at small commands promises.
-Drivers that recirculate current and batteries with inner resistance bend the line down. Source: Sedra & Smith,
-Microelectronic Circuits, 7th ed., section 12 (output stages); DB18 measurements scatter by 5 to 15 % (duckietown-world).
+u [1] command, gamma [1] curvature: at command u the motor lacks gamma |u| of what its gain at small commands
+promises. Drivers that recirculate current and batteries with inner resistance bend the line down. Source:
+Sedra & Smith, Microelectronic Circuits, 7th ed., section 12 (output stages); DB18 measurements scatter by 5
+to 15 % (duckietown-world).
 """
 
 from __future__ import annotations
@@ -29,7 +30,17 @@ EFFECT = Effect(
     summary="gain falls or grows with the command",
     equation="u_eff = u (1 - gamma |u|)",
     parameters=(
-        Parameter("curvature", "gamma", "1", 0.0, -0.9, 0.9, 0.2, "0.05 to 0.15 of gain lost at full command", starts=(0.2, -0.2)),
+        Parameter(
+            "curvature",
+            "gamma",
+            "1",
+            0.0,
+            -0.9,
+            0.9,
+            0.2,
+            "0.05 to 0.15 of gain lost at full command",
+            starts=(0.2, -0.2),
+        ),
     ),
     hooks={"shape": bend},
     channels=("forward", "turn"),

@@ -5,7 +5,8 @@ r"""A motor is weaker (or stronger) backwards than forwards.
 
 loss [1]: mean over both motors; difference [1]: what the left motor loses more than the right one.
 Brushed motors with advanced brushes run 2 to 15 % slower one way; the two motors of a robot are
-mounted as mirror images. Source: Hughes & Drury, Electric Motors and Drives, 5th ed., section 3.2 (brush shift).
+mounted as mirror images. Source: Hughes & Drury, Electric Motors and Drives, 5th ed., section 3.2 (brush
+shift).
 """
 
 from __future__ import annotations
@@ -30,7 +31,17 @@ EFFECT = Effect(
     equation="u_eff = u (1 - loss -+ difference/2) for u < 0",
     parameters=(
         Parameter("loss", "rho", "1", 0.0, -0.5, 0.7, 0.08, "brush shift: 2 to 15 %"),
-        Parameter("difference", "delta_rho", "1", 0.0, -0.6, 0.6, 0.04, "left loses more where positive", mirror="negate"),
+        Parameter(
+            "difference",
+            "delta_rho",
+            "1",
+            0.0,
+            -0.6,
+            0.6,
+            0.04,
+            "left loses more where positive",
+            mirror="negate",
+        ),
     ),
     hooks={"shape": weaken},
     channels=("forward", "turn"),

@@ -2,10 +2,10 @@ r"""A motor changes its strength as it warms up, and levels off.
 
     T_i = K_i u_i (1 + change_i (1 - exp(-E_i / effort))),    dE_i/dt = |u_i|
 
-T [m/s] no-load rim speed of wheel i, K [m/s] gain, u [1] command, E [s] seconds of full command since the start of the
-recording, effort [s] after which 63 % of the change are done, change [1] of each wheel. Grease thins (positive), windings
-heat (negative). Source: first-order thermal model of a motor, Hughes & Drury, Electric Motors and Drives, 5th ed.,
-section 11.3.
+T [m/s] no-load rim speed of wheel i, K [m/s] gain, u [1] command, E [s] seconds of full command since the
+start of the recording, effort [s] after which 63 % of the change are done, change [1] of each wheel. Grease
+thins (positive), windings heat (negative). Source: first-order thermal model of a motor, Hughes & Drury,
+Electric Motors and Drives, 5th ed., section 11.3.
 """
 
 from __future__ import annotations
@@ -35,7 +35,18 @@ EFFECT = Effect(
     parameters=(
         Parameter("change_left", "a_l", "1", 0.0, -0.6, 0.6, -0.08, "2 to 10 %", mirror="swap:change_right"),
         Parameter("change_right", "a_r", "1", 0.0, -0.6, 0.6, 0.06, "2 to 10 %", mirror="swap:change_left"),
-        Parameter("effort", "E0", "s", 8.0, 0.5, 120.0, 6.0, "tens of seconds of driving", strength=False, starts=(3.0, 10.0, 25.0)),
+        Parameter(
+            "effort",
+            "E0",
+            "s",
+            8.0,
+            0.5,
+            120.0,
+            6.0,
+            "tens of seconds of driving",
+            strength=False,
+            starts=(3.0, 10.0, 25.0),
+        ),
     ),
     hooks={"step": warm},
     channels=("forward", "turn"),
@@ -45,7 +56,11 @@ EFFECT = Effect(
     manoeuvre="a long drive with a pause, then the first straight again",
     sentence="Warming up changes the left motor by {change_left} and the right one by {change_right}.",
     source="Hughes & Drury, Electric Motors and Drives, 5th ed., section 11.3",
-    variants=(("change_left", "effort"), ("change_right", "effort"), ("change_left", "change_right", "effort")),
+    variants=(
+        ("change_left", "effort"),
+        ("change_right", "effort"),
+        ("change_left", "change_right", "effort"),
+    ),
     memory=2,
     order=52,
 )

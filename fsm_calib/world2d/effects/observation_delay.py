@@ -2,8 +2,8 @@ r"""Poses are stamped later than they were.
 
     pose(t) = h(state(t - delay))
 
-delay [s]: exposure, transport and processing before the stamp. Wheel encoders are not concerned. Sources: cameras on
-Wi-Fi robots, 20 to 120 ms (assumed); temporal calibration after Rehder et al., ICRA 2016 (Kalibr).
+delay [s]: exposure, transport and processing before the stamp. Wheel encoders are not concerned. Sources:
+cameras on Wi-Fi robots, 20 to 120 ms (assumed); temporal calibration after Rehder et al., ICRA 2016 (Kalibr).
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ EFFECT = Effect(
     family="timing",
     summary="poses are stamped late",
     equation="pose(t) = h(state(t - delay))",
-    parameters=(Parameter("delay", "d_c", "s", 0.0, -0.1, 0.6, 0.06, "20 to 120 ms", starts=(0.05, 0.12, 0.2)),),
+    parameters=(
+        Parameter("delay", "d_c", "s", 0.0, -0.1, 0.6, 0.06, "20 to 120 ms", starts=(0.05, 0.12, 0.2)),
+    ),
     hooks={"clock": lag},
     channels=("sensor", "forward", "turn"),
     regimes=("transient",),

@@ -2,10 +2,10 @@ r"""A load moves the centre of mass off the axle centre (and makes the robot hea
 
     m = m0 + mass,   c = (x, y);   M(c) and G(c) of `dynamics`; wheel loads shift with c
 
-m0 [kg] the robot's mass, mass [kg] of the load, c [m] the common centre of mass in `base`. Driving then turns and turning
-drives: m c_y couples forward acceleration with yaw, m c_x omega^2 pushes in curves. The mass itself only scales the
-time constants, which a fit moves anyway. Source: Dhaouadi & Abu Hatab, Advances in Robotics & Automation 2 (2013) 107,
-equation 26.
+m0 [kg] the robot's mass, mass [kg] of the load, c [m] the common centre of mass in `base`. Driving then turns
+and turning drives: m c_y couples forward acceleration with yaw, m c_x omega^2 pushes in curves. The mass
+itself only scales the time constants, which a fit moves anyway. Source: Dhaouadi & Abu Hatab, Advances in
+Robotics & Automation 2 (2013) 107, equation 26.
 """
 
 from __future__ import annotations
@@ -30,8 +30,20 @@ EFFECT = Effect(
     summary="a load off the axle centre",
     equation="centre of mass at (x, y): M(c) dq/dt + omega G(c) q = f",
     parameters=(
-        Parameter("x", "c_x", "m", 0.0, -0.08, 0.08, -0.015, "0.3 kg 5 cm off the centre: 1 cm", starts=(0.015, -0.015)),
-        Parameter("y", "c_y", "m", 0.0, -0.04, 0.04, 0.01, "0.3 kg 5 cm off the centre: 1 cm", mirror="negate"),
+        Parameter(
+            "x",
+            "c_x",
+            "m",
+            0.0,
+            -0.08,
+            0.08,
+            -0.015,
+            "0.3 kg 5 cm off the centre: 1 cm",
+            starts=(0.015, -0.015),
+        ),
+        Parameter(
+            "y", "c_y", "m", 0.0, -0.04, 0.04, 0.01, "0.3 kg 5 cm off the centre: 1 cm", mirror="negate"
+        ),
         Parameter("mass", "dm", "kg", 0.0, 0.0, 5.0, 0.0, "up to the robot's own", fitted=False),
     ),
     hooks={"begin": load},

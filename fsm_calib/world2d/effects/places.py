@@ -1,6 +1,7 @@
 """Soft places on the floor and soft spans of time, shared by effects (this module declares no effect).
 
-Edges are `EDGE` wide: a wheel's contact patch crosses them in a few milliseconds, and a fit can feel where they are.
+Edges are `EDGE` wide: a wheel's contact patch crosses them in a few milliseconds, and a fit can feel where
+they are.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from fsm_calib.world2d.slots import COS, EDGE, HALF_AXLE, PLACE_X, PLACE_Y, SIN
 
 @njit(error_model="numpy")
 def rise(depth):
-    """Return 0 outside, 1 inside, a smooth cubic between, of the depth [m] behind an edge (negative outside)."""
+    """Return 0 outside, 1 inside, a smooth cubic between, of the depth [m] behind an edge (negative
+    outside).
+    """
     s = min(max(0.5 + 0.5 * depth / EDGE, 0.0), 1.0)
     return s * s * (3.0 - 2.0 * s)
 
@@ -40,5 +43,7 @@ def wheel_place(W, side):
 
 @njit(error_model="numpy")
 def overlap(begin, end, start, stop):
-    """Return the part (0 to 1) of the step from `begin` to `end` [s] that lies between `start` and `stop` [s]."""
+    """Return the part (0 to 1) of the step from `begin` to `end` [s] that lies between `start` and `stop`
+    [s].
+    """
     return max(0.0, min(end, stop) - max(begin, start)) / (end - begin)

@@ -2,17 +2,18 @@ r"""A rough stretch of floor: each wheel that is on it has additional rolling re
 
     F_i = -drag sgn(v_i)        |x_i - x| <= half_x, |y_i - y| <= half_y
 
-F [N] at wheel i, which stands at (x_i, y_i) [m] in `world`; drag [N], centre (x, y) and half sizes [m] of a box along the
-axes (a strip is a long box). Source: rolling resistance, e.g. Wong, Theory of Ground Vehicles, 4th ed., section 1.2.
+F [N] at wheel i, which stands at (x_i, y_i) [m] in `world`; drag [N], centre (x, y) and half sizes [m] of a
+box along the axes (a strip is a long box). Source: rolling resistance, e.g. Wong, Theory of Ground Vehicles,
+4th ed., section 1.2.
 """
 
 from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.dynamics import add_dry_friction
 from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.effects.places import in_box, wheel_place
+from fsm_calib.world2d.forces import add_dry_friction
 from fsm_calib.world2d.slots import HALF_AXLE, MASS, OMEGA, V
 
 
@@ -35,9 +36,35 @@ EFFECT = Effect(
     parameters=(
         Parameter("drag", "F_p", "N", 0.0, 0.0, 6.0, 0.8, "5 to 30 % of the wheel load", starts=(0.5, 1.5)),
         Parameter("x", "x_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=2e-3),
-        Parameter("y", "y_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3),
-        Parameter("half_x", "a_p", "m", 0.2, 0.02, 100.0, 0.2, "a mat or a strip", strength=False, step=2e-3, starts=(0.1, 0.2, 3.0)),
-        Parameter("half_y", "b_p", "m", 0.2, 0.02, 100.0, 0.25, "a mat or a strip", strength=False, step=2e-3, starts=(0.1, 0.2, 3.0)),
+        Parameter(
+            "y", "y_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3
+        ),
+        Parameter(
+            "half_x",
+            "a_p",
+            "m",
+            0.2,
+            0.02,
+            100.0,
+            0.2,
+            "a mat or a strip",
+            strength=False,
+            step=2e-3,
+            starts=(0.1, 0.2, 3.0),
+        ),
+        Parameter(
+            "half_y",
+            "b_p",
+            "m",
+            0.2,
+            0.02,
+            100.0,
+            0.25,
+            "a mat or a strip",
+            strength=False,
+            step=2e-3,
+            starts=(0.1, 0.2, 3.0),
+        ),
     ),
     hooks={"step": resist},
     channels=("forward", "turn"),

@@ -29,7 +29,9 @@ EFFECT = Effect(
     equation="(x, y)_measured = (x, y) + Rot(theta) (x_s, y_s)",
     parameters=(
         Parameter("x", "x_s", "m", 0.0, -1.0, 1.0, 0.03, "2 to 10 mm when meant to be centred"),
-        Parameter("y", "y_s", "m", 0.0, -1.0, 1.0, -0.015, "2 to 10 mm when meant to be centred", mirror="negate"),
+        Parameter(
+            "y", "y_s", "m", 0.0, -1.0, 1.0, -0.015, "2 to 10 mm when meant to be centred", mirror="negate"
+        ),
     ),
     hooks={"observe": shift},
     channels=("sensor", "lateral"),

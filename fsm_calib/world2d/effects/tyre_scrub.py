@@ -2,9 +2,9 @@ r"""The tyres' wide contact resists turning.
 
     M = -moment omega / sqrt(omega^2 + creep^2)
 
-M [N m] about the vertical, omega [rad/s] yaw rate, creep [rad/s] rate below which it acts as a stiff damper: half the
-contact's length times friction times load for each wheel. Source: Pacejka, Tyre and Vehicle Dynamics, 3rd ed. 2012,
-section 9.2 (turn slip and parking torque).
+M [N m] about the vertical, omega [rad/s] yaw rate, creep [rad/s] rate below which it acts as a stiff damper:
+half the contact's length times friction times load for each wheel. Source: Pacejka, Tyre and Vehicle
+Dynamics, 3rd ed. 2012, section 9.2 (turn slip and parking torque).
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.dynamics import STEPS_TO_STOP, add_force
 from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.forces import STEPS_TO_STOP, add_force
 from fsm_calib.world2d.slots import CREEP_RATE, DAMP, INERTIA, OMEGA, STEP
 
 
@@ -33,7 +33,19 @@ EFFECT = Effect(
     family="resistance",
     summary="resistance to turning",
     equation="M = -moment sgn(omega)",
-    parameters=(Parameter("moment", "M_s", "N m", 0.0, 0.0, 0.5, 0.02, "contact 5 to 10 mm wide under 5 N", starts=(0.01, 0.04)),),
+    parameters=(
+        Parameter(
+            "moment",
+            "M_s",
+            "N m",
+            0.0,
+            0.0,
+            0.5,
+            0.02,
+            "contact 5 to 10 mm wide under 5 N",
+            starts=(0.01, 0.04),
+        ),
+    ),
     hooks={"step": scrub},
     channels=("turn",),
     regimes=("turning",),

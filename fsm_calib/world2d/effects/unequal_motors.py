@@ -2,8 +2,8 @@ r"""One motor is stronger than the other (for a base that assumes them equal).
 
     T_l = K u_l (1 - imbalance),    T_r = K u_r (1 + imbalance)
 
-T [m/s] no-load rim speeds, K [m/s] the common gain, imbalance [1] = (ratio - 1) / (ratio + 1) with the ratio of right to
-left gain. Source: 32 real Duckiebots have ratios of 0.78 to 1.19 (calibration logs in dt-core).
+T [m/s] no-load rim speeds, K [m/s] the common gain, imbalance [1] = (ratio - 1) / (ratio + 1) with the ratio
+of right to left gain. Source: 32 real Duckiebots have ratios of 0.78 to 1.19 (calibration logs in dt-core).
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ EFFECT = Effect(
     family="base",
     summary="one motor is stronger (where the base assumes them equal)",
     equation="T_l = K u_l (1 - imbalance), T_r = K u_r (1 + imbalance)",
-    parameters=(Parameter("imbalance", "delta", "1", 0.0, -0.6, 0.6, 0.05, "sd 0.05 over 32 robots", mirror="negate"),),
+    parameters=(
+        Parameter("imbalance", "delta", "1", 0.0, -0.6, 0.6, 0.05, "sd 0.05 over 32 robots", mirror="negate"),
+    ),
     hooks={"step": unbalance},
     channels=("turn",),
     regimes=("driving",),

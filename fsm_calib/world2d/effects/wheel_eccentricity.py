@@ -2,10 +2,10 @@ r"""A wheel sits off its centre: its rolling radius changes with its angle.
 
     R_i(phi) = R_i (1 + e_i cos(phi_i + phase_i))
 
-R [m] mean radius, phi [rad] angle of the wheel since the start of the recording, e [1] eccentricity over radius, phase
-[rad] at the start. Motor speed and torque are unchanged: no-load rim speed grows with R, the slope of the force falls
-with R^2. Source: rolling of an eccentric disc; Borenstein & Feng, IEEE Trans. Robotics and Automation 12 (1996) 869
-(unequal radii).
+R [m] mean radius, phi [rad] angle of the wheel since the start of the recording, e [1] eccentricity over
+radius, phase [rad] at the start. Motor speed and torque are unchanged: no-load rim speed grows with R, the
+slope of the force falls with R^2. Source: rolling of an eccentric disc; Borenstein & Feng, IEEE Trans.
+Robotics and Automation 12 (1996) 869 (unequal radii).
 """
 
 from __future__ import annotations

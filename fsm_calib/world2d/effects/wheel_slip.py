@@ -2,8 +2,9 @@ r"""The tyres slip (for a base whose tyres grip ideally, or with another tyre).
 
     s0 = slip_speed of the base + slip_speed
 
-s0 [m/s]: slip at which a tyre passes 1/sqrt(2) of its grip; force over slip for small slips is mu N / s0, so that the
-rim leads the floor by m s0 / (2 mu N) seconds times the acceleration. Source: slip stiffness, Pacejka 2012, section 1.2.2.
+s0 [m/s]: slip at which a tyre passes 1/sqrt(2) of its grip; force over slip for small slips is mu N / s0, so
+that the rim leads the floor by m s0 / (2 mu N) seconds times the acceleration. Source: slip stiffness,
+Pacejka 2012, section 1.2.2.
 """
 
 from __future__ import annotations
@@ -25,7 +26,19 @@ EFFECT = Effect(
     family="base",
     summary="softer tyres (where the base lets them grip ideally)",
     equation="s0 = base + slip_speed",
-    parameters=(Parameter("slip_speed", "s0", "m/s", 0.0, 0.0, 0.5, 0.05, "2 to 3 ms of tyre lag: 0.01 m/s", starts=(0.02, 0.1)),),
+    parameters=(
+        Parameter(
+            "slip_speed",
+            "s0",
+            "m/s",
+            0.0,
+            0.0,
+            0.5,
+            0.05,
+            "2 to 3 ms of tyre lag: 0.01 m/s",
+            starts=(0.02, 0.1),
+        ),
+    ),
     hooks={"step": soften},
     channels=("forward", "lateral"),
     regimes=("transient", "fast_turn"),

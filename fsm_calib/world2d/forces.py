@@ -1,0 +1,62 @@
+"""Forces on the body during one step, in the form in which `dynamics` solves for them: constant, or
+dampers.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from fsm_calib.world2d import slots
+from fsm_calib.world2d.slots import DAMP, FORCE_X, FORCE_Y, MOMENT, STEP
+
+STEPS_TO_STOP = 4.0
+"""Steps within which dry friction could stop a motion for it to be treated as a damper."""
+
+
+@njit(error_model="numpy", inline="always")
+def add_force(W, fx, fy, moment):
+    """Add a constant force (fx, fy) [N] in `base` at the axle centre and a moment [N m] to this step."""
+    W[FORCE_X] += fx
+    W[FORCE_Y] += fy
+    W[MOMENT] += moment
+
+
+@njit(error_model="numpy", inline="always")
+def add_damper(W, px, py, kx, ky):
+    """Add a damper at the point (px, py) [m] of `base` with stiffness kx along x and ky along y [N s/m]."""
+    W[DAMP] += kx
+    W[DAMP + 2] -= kx * py
+    W[DAMP + 3] += ky
+    W[DAMP + 4] += ky * px
+    W[DAMP + 5] += kx * py * py + ky * px * px
+
+
+@njit(error_model="numpy")
+def add_oblique_damper(W, px, py, dx, dy, k):
+    """Add a damper of stiffness k [N s/m] at the point (px, py) [m] that acts along the unit vector (dx, dy)
+    of `base`.
+    """
+    arm = px * dy - py * dx
+    W[DAMP] += k * dx * dx
+    W[DAMP + 1] += k * dx * dy
+    W[DAMP + 2] += k * dx * arm
+    W[DAMP + 3] += k * dy * dy
+    W[DAMP + 4] += k * dy * arm
+    W[DAMP + 5] += k * arm * arm
+
+
+@njit(error_model="numpy")
+def add_dry_friction(W, px, py, dx, dy, speed, size, inertia):
+    """Add dry friction of `size` [N] at the point (px, py) [m] of `base` against `speed` [m/s] along the unit
+    vector (dx, dy).
+
+    A constant force while it cannot stop the motion within a few steps (second order), else a stiff damper
+    (stable, holds still); `inertia` [kg] is the mass that it brakes, at least.
+    """
+    k = size / math.sqrt(speed * speed + slots.CREEP_SPEED * slots.CREEP_SPEED)
+    if abs(speed) * inertia > STEPS_TO_STOP * W[STEP] * size:
+        add_force(W, -k * speed * dx, -k * speed * dy, -k * speed * (px * dy - py * dx))
+    else:
+        add_oblique_damper(W, px, py, dx, dy, k)
