@@ -2,8 +2,8 @@
 
 The classic detector of OpenCV finds the grid; a sub-pixel search in a window that fits between the corners
 refines it. The tutorial's window (11 px to each side) takes in the neighbour corners of small squares and
-moves corners by up to 8 px; here the half-window is 0.35 of the smallest spacing, 4 to 9 px, and a board
-whose corners moved by more than 0.3 squares is refused.
+moves corners by up to 8 px; here every corner's half-window is 0.45 of the distance to its nearest neighbour,
+4 to 9 px, and a board whose corners moved by more than 0.3 squares is refused.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.perception.board_order import canonical_order
+from fsm_calib.perception.corner_bias import curvature_bias
 from fsm_calib.types import BoardSpec, BoardView, FloatArray
 
 Image = NDArray[np.uint8]
@@ -27,12 +28,15 @@ class DetectorSettings:
     Parameters
     ----------
     window_of_spacing : float
-        Half-window of the sub-pixel search, in smallest corner spacings [1]; below 0.5 no neighbour is
-        inside, and 0.35 stays clear of it when the detector's start is a pixel off.
+        Half-window of the sub-pixel search, in spacings of the corner's nearest neighbour [1]. Measured on
+        boards of 9 px squares: 0.56 still gives 0.05 px, 0.67 takes in the neighbour and gives 0.2 px.
     smallest_window_px, largest_window_px : int
         Bounds of the half-window [px]: 4 keeps enough gradient, beyond 9 the lens bends the edges inside it.
     largest_move_squares : float
         A corner that the search moved farther than this from the detector's start is lost [squares].
+    border_px : float
+        A board with a corner nearer to the image's border is refused as not whole [px]: half the search
+        window would be missing.
     widest_edge_px : float
         A board whose black-white edges are wider (10 to 90 %) is refused as blurred [px]. OpenCV advises 3
         px; the position of a blurred corner stays unbiased, so the limit is where its noise has doubled.
@@ -44,10 +48,11 @@ class DetectorSettings:
         `find_boards` stops after so many.
     """
 
-    window_of_spacing: float = 0.35
+    window_of_spacing: float = 0.45
     smallest_window_px: int = 4
     largest_window_px: int = 9
     largest_move_squares: float = 0.3
+    border_px: float = 5.0
     widest_edge_px: float = 6.0
     edge_of_spacing: float = 0.6
     largest_side_px: int = 1600
@@ -129,6 +134,8 @@ def inspect_board(
         return BoardFinding(
             None, "the corners cannot be told apart: the squares are too small or too blurred"
         )
+    if float(_to_border(corners, gray).min()) < settings.border_px:
+        return BoardFinding(None, "the board reaches over the image's border")
     corners = canonical_order(corners, gray, board)
     width = edge_width(gray, corners, board)
     limit = min(settings.widest_edge_px, settings.edge_of_spacing * smallest_spacing(corners, board))
@@ -140,16 +147,28 @@ def inspect_board(
     return BoardFinding(BoardView(corners), "", width)
 
 
+def corner_spacings(corners: FloatArray, board: BoardSpec) -> FloatArray:
+    """Return each corner's distance from its nearest neighbour [px], shape (rows * columns,)."""
+    grid = corners.reshape(board.rows, board.columns, 2)
+    along = np.linalg.norm(np.diff(grid, axis=1), axis=-1)
+    across = np.linalg.norm(np.diff(grid, axis=0), axis=-1)
+    nearest = np.full((board.rows, board.columns), np.inf)
+    nearest[:, :-1] = np.minimum(nearest[:, :-1], along)
+    nearest[:, 1:] = np.minimum(nearest[:, 1:], along)
+    nearest[:-1] = np.minimum(nearest[:-1], across)
+    nearest[1:] = np.minimum(nearest[1:], across)
+    return nearest.ravel()
+
+
 def smallest_spacing(corners: FloatArray, board: BoardSpec) -> float:
     """Return the smallest distance between neighbour corners [px]."""
-    grid = corners.reshape(board.rows, board.columns, 2)
-    along = np.linalg.norm(np.diff(grid, axis=1), axis=-1).min()
-    across = np.linalg.norm(np.diff(grid, axis=0), axis=-1).min()
-    return float(min(along, across))
+    return float(corner_spacings(corners, board).min())
 
 
 def board_size_in(image: Image) -> tuple[int, int] | None:
-    """Return the inner corners (columns, rows) of whatever chessboard the image shows, or None: about 0.1 s."""
+    """Return the inner corners (columns, rows) of whatever chessboard the image shows, or None: about 0.1
+    s.
+    """
     gray = as_gray(image)
     scale = min(1.0, DEFAULT_DETECTOR.largest_side_px / max(gray.shape))
     small = gray if scale == 1.0 else cv2.resize(gray, None, fx=scale, fy=scale)
@@ -186,18 +205,34 @@ def _refined(
     gray: Image, rough: FloatArray, board: BoardSpec, settings: DetectorSettings
 ) -> FloatArray | None:
     """Return refined corners, or None when one of them ran away with every window tried."""
-    spacing = smallest_spacing(rough, board)
-    wanted = round(settings.window_of_spacing * spacing)
-    first = int(np.clip(wanted, settings.smallest_window_px, settings.largest_window_px))
-    for half in dict.fromkeys((first, max(first - 2, 3), 3)):
-        start = np.ascontiguousarray(rough.reshape(-1, 1, 2), dtype=np.float32)
-        corners = (
-            cv2.cornerSubPix(gray, start, (half, half), (-1, -1), _STOP_SEARCH).reshape(-1, 2).astype(float)
-        )
-        moved = np.linalg.norm(corners - rough, axis=1)
-        if np.all(moved <= settings.largest_move_squares * np.maximum(spacing, 5.0)):
-            return corners
+    spacing = corner_spacings(rough, board)
+    widest = np.floor(settings.window_of_spacing * spacing).astype(int)
+    halves = np.clip(widest, settings.smallest_window_px, settings.largest_window_px)
+    halves = np.where(_to_border(rough, gray) > halves + 1, halves, settings.smallest_window_px)
+    limit = settings.largest_move_squares * np.maximum(spacing, 5.0)
+    corners = rough
+    for shrink in (0, 2, 4):
+        corners = _searched(gray, rough, np.maximum(halves - shrink, 3))
+        if np.all(np.linalg.norm(corners - rough, axis=1) <= limit):
+            return corners - curvature_bias(corners, np.maximum(halves - shrink, 3), board)
     return None
+
+
+def _searched(gray: Image, rough: FloatArray, halves: NDArray) -> FloatArray:
+    """Return the saddle points nearest to `rough`, each searched in its own half-window [px]."""
+    corners = rough.copy()
+    for half in np.unique(halves):
+        own, window = halves == half, (int(half), int(half))
+        start = np.ascontiguousarray(rough[own].reshape(-1, 1, 2), dtype=np.float32)
+        found = cv2.cornerSubPix(gray, start, window, (-1, -1), _STOP_SEARCH)
+        corners[own] = found.reshape(-1, 2)
+    return corners
+
+
+def _to_border(points: FloatArray, gray: Image) -> FloatArray:
+    """Return each point's distance from the image's border [px]."""
+    far = np.array([gray.shape[1], gray.shape[0]]) - 1.0 - points
+    return np.asarray(np.minimum(points, far).min(axis=1))
 
 
 def _painted_over(gray: Image, corners: FloatArray, board: BoardSpec) -> Image:
