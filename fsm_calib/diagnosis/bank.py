@@ -18,7 +18,7 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 
 FIRST_STEPS, LAST_STEPS = 6, 4  # Gauss-Newton steps before and after the noise is fitted again
-HOPELESS = 1.0  # log-likelihood units: below, the noise is not fitted again
+HOPELESS = 2.0  # log-likelihood units: below, the noise is not fitted again and a fit is given up early
 NESTING_SLACK = 1e-6
 
 Progress = Callable[[str], None]
@@ -73,7 +73,7 @@ class Bank:
         for effect in effects:
             progress(effect.name)
             began = perf_counter()
-            for hypothesis, starts in self._plans(effect):
+            for hypothesis, starts in self.plans(effect):
                 for start in starts:
                     ranked = self.fit(hypothesis, start)
                     if effect.name not in best or ranked.evidence > best[effect.name].evidence:
@@ -86,7 +86,7 @@ class Bank:
         """Seconds spent on each effect in the last `rank`."""
         return self.__dict__.setdefault("_seconds", {})
 
-    def _plans(self, effect: Effect) -> list[tuple[Hypothesis, list[Start]]]:
+    def plans(self, effect: Effect) -> list[tuple[Hypothesis, list[Start]]]:
         """Return the forms of an effect with their starts."""
         runs = len(self.engine.simulators)
         scans = {
@@ -127,7 +127,8 @@ class Bank:
         """Fit one hypothesis from one start; the result is never worse than the parent."""
         slots = self.parent.slots + slots_of(hypothesis, len(self.engine.simulators))
         known = self.parent.columns
-        fit = self.engine.fit(start.values, slots, self.parent.noise, known=known, steps=FIRST_STEPS)
+        hope = self.parent.score + HOPELESS
+        fit = self.engine.fit(start.values, slots, self.parent.noise, known=known, steps=FIRST_STEPS, hope=hope)
         if fit.score > self.parent.score + HOPELESS:
             fit = self.engine.refit_noise(fit, SPEED_NOISE, 2)
             fit = self.engine.fit(fit.values, slots, fit.noise, known=known, steps=LAST_STEPS)

@@ -19,7 +19,9 @@ from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.types import FloatArray
 
 ALL_RUNS = -1
-SMALL_GAIN = 0.05  # log-likelihood units: a smaller gain ends the iteration
+SMALL_GAIN = 0.1  # log-likelihood units: a smaller gain ends the iteration
+
+PATIENCE = 2  # steps within which a fit must show that it gets anywhere
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,11 +164,13 @@ class Engine:
         known: Sequence[FloatArray] | None = None,
         steps: int = 12,
         refresh: bool = False,
+        hope: float = -np.inf,
     ) -> Fit:
         """Climb from `values` (R, p).
 
         known : raw columns (n, 5, q) of the first q slots for each recording, not computed again; refresh : compute
-        all columns at the end, for the covariance.
+        all columns at the end, for the covariance; hope : a score that must be passed within `PATIENCE` steps, else
+        the fit is given up.
         """
         slots = tuple(slots)
         whiteners = self.whiteners(noise)
@@ -178,7 +182,7 @@ class Engine:
         normal = np.eye(len(slots))
         raw: tuple[FloatArray, ...] = ()
         damping = 1e-6
-        for _ in range(steps):
+        for iteration in range(steps):
             raw = jacobian(self.simulators, values, slots[first:], simulated)
             white = self.white_columns(whiteners, raw)
             white = white if fixed is None else np.hstack([fixed, white])
@@ -198,7 +202,7 @@ class Engine:
                 break
             gain = better[3] - here
             values, numbers, simulated, here = better
-            if gain < SMALL_GAIN:
+            if gain < SMALL_GAIN or (iteration + 1 >= PATIENCE and here < hope):
                 break
         if refresh or not raw:
             raw = jacobian(self.simulators, values, slots, simulated)

@@ -19,7 +19,7 @@ from fsm_calib.diagnosis.simulator import Simulator, through_sensor
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
 
-PITCH = 0.08  # m between candidate centres: a third of the smallest patch's diameter
+PITCH = 0.10  # m between candidate centres: a third of the smallest patch's diameter
 DISC_RADII = (0.15, 0.25)  # m
 STRIPS = (0.08, 0.2)  # m, half widths
 SPAN_STEP = 1.5  # s between candidate begins and ends of a span
@@ -124,7 +124,7 @@ class Scanner:
             gain = float(self.parent.values[0, place])
             for run, simulator in enumerate(self.simulators):
                 found += self._spans_of(run, simulator, side, gain * self.parent.columns[run][:, :, slot])
-        return sorted(found, key=lambda c: -c.promise)[: 2 * KEEP]
+        return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
     def _spans_of(self, run: int, simulator: Simulator, side: str, column: FloatArray) -> list[Candidate]:
         time = simulator.prepared.time
@@ -140,7 +140,7 @@ class Scanner:
         power = gram[j, j] - gram[i, j] - gram[j, i] + gram[i, i]
         amplitude = (score[j] - score[i]) / np.maximum(power, 1e-12)
         promise = 0.5 * amplitude**2 * power * (np.abs(amplitude) < 1.0) * (np.abs(amplitude) > 0.005)
-        best = np.argsort(-promise)[:2]
+        best = np.argsort(-promise)[:1]
         return [
             Candidate({f"motor_fault.loss_{side}": float(np.clip(-amplitude[b], -0.4, 0.9)), "motor_fault.start": float(edges[i[b]]), "motor_fault.duration": float(edges[j[b]] - edges[i[b]])}, float(promise[b]), run)
             for b in best

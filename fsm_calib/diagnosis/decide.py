@@ -1,0 +1,229 @@
+"""From a ranking to an answer: polish, test what is left, try a second effect, and abstain where a gate is shut."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+from typing import Literal
+
+import numpy as np
+
+from fsm_calib.diagnosis.adequacy import LeftOver, left_over
+from fsm_calib.diagnosis.bank import Bank, Ranked, polished
+from fsm_calib.diagnosis.base import fit_base, noise_names
+from fsm_calib.diagnosis.crossval import held_out_gains, is_global
+from fsm_calib.diagnosis.features import feature_groups, situation
+from fsm_calib.diagnosis.fit import Engine, Fit
+from fsm_calib.diagnosis.gates import DEFAULT_GATES, Adequacy, Gates, adequacy
+from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts
+from fsm_calib.diagnosis.locate import Location, locate
+from fsm_calib.diagnosis.simulator import Simulator
+from fsm_calib.world2d.effects import Effect, registry
+
+POLISHED = 3  # candidates that get fresh Jacobians and all noise levels
+POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
+SWAPS = 4  # other first effects tried beside a second
+WORST_RECORDING = -4.0  # log density that one recording may lose by chance when fitted on the other
+
+Progress = Callable[[str], None]
+Outcome = Literal["match", "explained", "unexplained"]
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A base robot with zero, one or two effects: who, the last fit, what is left, what it wins on other recordings."""
+
+    effects: tuple[Ranked, ...]
+    fit: Fit
+    adequacy: Adequacy
+    gains: tuple[float, ...]
+    tests: tuple[LeftOver, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """What was found: outcome and reason; base fit, model, ranking of single effects, location, seconds by part."""
+
+    outcome: Outcome
+    reason: str
+    engine: Engine
+    base: Fit
+    model: Model
+    ranking: tuple[Ranked, ...]
+    second_ranking: tuple[Ranked, ...]
+    location: Location
+    bank: Bank
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass
+class Judge:
+    """Decides for the recordings of one robot."""
+
+    engine: Engine
+    effects: list[Effect]
+    gates: Gates
+    progress: Progress
+    rng: np.random.Generator
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def timed(self, part: str, since: float) -> None:
+        """Charge the time since `since` [s] to a part."""
+        self.seconds[part] = self.seconds.get(part, 0.0) + perf_counter() - since
+
+    def decide(self) -> Decision:
+        """Run the whole chain."""
+        began = perf_counter()
+        self.progress("base robot")
+        base = fit_base(self.engine)
+        self.timed("base", began)
+        began = perf_counter()
+        situations = [situation(s, v) for s, v in zip(self.engine.simulators, base.values, strict=True)]
+        location = locate(self.engine, base, situations, self.rng)
+        self.timed("locate", began)
+        began = perf_counter()
+        bank = Bank.on(self.engine, base)
+        ranking = self._polish(bank.rank(self.effects, self.progress), base)
+        self.timed("catalogue", began)
+        plain = Model((), base, adequacy(location.tests, 0.0), (), location.tests)
+        if not ranking or ranking[0].evidence < self._detect():
+            return self._without_name(plain, base, ranking, location, bank)
+        first = self._model((ranking[0],), ranking[0].fit, base)
+        second_ranking: tuple[Ranked, ...] = ()
+        model = first
+        if not first.adequacy.surprise < self.gates.surprise:
+            model, second_ranking = self._second(first, ranking, base)
+        outcome, reason = self._judge(model)
+        return Decision(
+            outcome, reason, self.engine, base, model, tuple(ranking), second_ranking, location, bank, self.seconds
+        )  # fmt: skip
+
+    def _detect(self) -> float:
+        encoders = any(s.prepared.has_encoders for s in self.engine.simulators)
+        return self.gates.detect_encoders if encoders else self.gates.detect
+
+    def _polish(self, ranking: list[Ranked], base: Fit) -> list[Ranked]:
+        """Fit the leaders with fresh Jacobians; sort again."""
+        if not ranking:
+            return ranking
+        names = noise_names(self.engine.simulators)
+        limit = POLISH_SHARE * ranking[0].evidence
+        leaders = [polished(self.engine, r, base, names) for r in ranking[:POLISHED] if r.evidence >= max(limit, 0.0)]
+        return sorted(leaders + ranking[len(leaders) :], key=lambda r: -r.evidence)
+
+    def _model(self, effects: tuple[Ranked, ...], fit: Fit, base: Fit) -> Model:
+        """Test what a model leaves and what it predicts."""
+        began = perf_counter()
+        self.progress("what is left")
+        situations = [situation(s, v) for s, v in zip(self.engine.simulators, fit.values, strict=True)]
+        tests = left_over(self.engine, fit, feature_groups(situations))
+        self.timed("left over", began)
+        began = perf_counter()
+        gains: tuple[float, ...] = ()
+        if all(is_global(e.hypothesis) for e in effects):
+            gains = tuple(held_out_gains(self.engine, base, fit))
+        self.timed("cross-validation", began)
+        return Model(effects, fit, adequacy(tests, fit.score - base.score), gains, tuple(tests))
+
+    def _second(self, first: Model, ranking: Sequence[Ranked], base: Fit) -> tuple[Model, tuple[Ranked, ...]]:
+        """Look for a second effect on top of the first; keep it only where it closes the gap."""
+        began = perf_counter()
+        bank = Bank.on(self.engine, first.fit)
+        others = [e for e in self.effects if e.name != first.effects[0].name]
+        found = bank.rank(others, self.progress)
+        self.timed("second effect", began)
+        if not found or found[0].evidence < self.gates.second:
+            return first, tuple(found)
+        second = polished(self.engine, found[0], first.fit, noise_names(self.engine.simulators))
+        lead = self._swap(first.effects[0], second, ranking, base)
+        both = self._model(lead[0], lead[1], base)
+        cured = both.adequacy.surprise < self.gates.surprise or (
+            both.adequacy.surprise < 0.5 * first.adequacy.surprise and both.adequacy.passes(self.gates)
+        )
+        useful = not both.gains or not first.gains or sum(both.gains) > sum(first.gains)
+        return (both if cured and useful else first), tuple(found)
+
+    def _swap(
+        self, first: Ranked, second: Ranked, ranking: Sequence[Ranked], base: Fit
+    ) -> tuple[tuple[Ranked, ...], Fit]:
+        """Try other first effects beside the second: what led alone may have stood in for a sum."""
+        began = perf_counter()
+        alone = next((r for r in ranking if r.name == second.name), None)
+        best = ((first, second), second.fit)
+        if alone is not None and alone.gain > 0:
+            bank = Bank.on(self.engine, alone.fit)
+            for rival in ranking[:SWAPS]:
+                if rival.name in (first.name, second.name):
+                    continue
+                for hypothesis, starts in bank.plans(registry()[rival.name]):
+                    for start in starts:
+                        tried = bank.fit(hypothesis, start)
+                        if tried.fit.score > best[1].score + 3.0:
+                            best = ((tried, replace(second, fit=tried.fit)), tried.fit)
+        self.timed("swaps", began)
+        return best
+
+    def _without_name(
+        self, plain: Model, base: Fit, ranking: Sequence[Ranked], location: Location, bank: Bank
+    ) -> Decision:
+        """No effect is detected: a match, or a mismatch that nothing in the catalogue resembles."""
+        surprise = plain.adequacy.surprise
+        odd = surprise > self.gates.unexplained_surprise
+        outcome: Outcome = "unexplained" if odd else "match"
+        reason = (
+            f"the residual depends on {plain.adequacy.group} (10^-{surprise:.0f} by chance), no effect explains it"
+            if odd
+            else "the re-fitted base robot explains the recordings to within their noise"
+        )
+        return Decision(outcome, reason, self.engine, base, plain, tuple(ranking), (), location, bank, self.seconds)
+
+    def _judge(self, model: Model) -> tuple[Outcome, str]:
+        """Pass the model through the gates."""
+        left = model.adequacy
+        if not left.passes(self.gates):
+            return "unexplained", (
+                f"the best explanation leaves structure in {left.group} (10^-{left.surprise:.0f} by chance, "
+                f"{100 * left.share:.0f} % of what it explains)"
+            )
+        if model.gains and (sum(model.gains) <= 0.0 or min(model.gains) < WORST_RECORDING):
+            return "unexplained", "the best explanation does not predict a recording that it was not fitted on"
+        return "explained", "detected, adequate and useful"
+
+
+def decide(
+    simulators: Iterable[Simulator],
+    *,
+    without: Iterable[str] = (),
+    gates: Gates = DEFAULT_GATES,
+    progress: Progress = lambda part: None,
+    seed: int = 0,
+) -> Decision:
+    """Decide what the recordings of one robot show; `without` leaves effects out of the catalogue."""
+    engine = Engine(tuple(simulators))
+    judge = Judge(engine, catalogue(without), gates, progress, np.random.default_rng(seed))
+    return judge.decide()
+
+
+def smallest_sizes(decision: Decision, threshold: float) -> dict[str, tuple[str, float, str]]:
+    """Return, for a match, the size of each plain effect that would have been seen: name to (parameter, size, unit)."""
+    found: dict[str, tuple[str, float, str]] = {}
+    bank = decision.bank
+    from fsm_calib.diagnosis.adequacy import project
+    from fsm_calib.diagnosis.hypotheses import hypotheses_of, with_values
+
+    for effect in registry().values():
+        if effect.scan or effect.family == "base":
+            continue
+        hypothesis = next(hypotheses_of(effect, len(decision.engine.simulators)))
+        changes = declared_starts(hypothesis)[0]
+        x = project(bank.prober.residual, bank.prober.columns(with_values(decision.base.values, changes)))[:, 0]
+        power = float(x @ x)
+        if power <= 0.0:
+            continue
+        amplitude = float(np.sqrt((threshold + np.log(decision.engine.count)) / power))
+        name = next((n for n in hypothesis.names if effect.parameter(n).strength and changes[f"{effect.name}.{n}"] != effect.parameter(n).null), "")
+        if name:
+            p = effect.parameter(name)
+            found[effect.name] = (name, p.null + amplitude * (changes[f"{effect.name}.{name}"] - p.null), p.unit)
+    return found

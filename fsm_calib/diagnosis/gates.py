@@ -1,0 +1,66 @@
+"""Three gates before a name is said: detected, adequate, useful. And who cannot be told from whom.
+
+The thresholds were read from generated robots with varied disturbance, outliers, rates and tag colour, clean ones,
+ones with physics outside the catalogue, and ones whose true effect was taken out of it
+(`benchmarks/concealed`, development seeds; never the sealed set).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fsm_calib.diagnosis.adequacy import LeftOver
+from fsm_calib.diagnosis.bank import Ranked
+
+
+@dataclass(frozen=True, slots=True)
+class Gates:
+    """Thresholds of the decision.
+
+    detect : evidence that a first name needs; detect_encoders : the same with encoders, whose likelihood sees the
+    last milliseconds of the base's own tyres and motors; surprise : -log10 p of left-over structure in any feature
+    group that is still noise; share : left-over log-likelihood over explained below which the equation may be
+    inexact but the name stands; rival : evidence gap below which two names are one set; second : evidence that a
+    second effect needs; same : evidence gap of effects that are the same function of the data.
+    """
+
+    detect: float = 12.0
+    detect_encoders: float = 30.0
+    surprise: float = 6.0
+    share: float = 0.12
+    rival: float = 8.0
+    second: float = 20.0
+    unexplained_surprise: float = 6.0
+
+
+DEFAULT_GATES = Gates()
+
+
+@dataclass(frozen=True, slots=True)
+class Adequacy:
+    """What is left after a model: the largest surprise, the log-likelihood its group could win, that over the gain."""
+
+    surprise: float
+    left: float
+    share: float
+    group: str
+
+    def passes(self, gates: Gates) -> bool:
+        """Return whether the model may be called adequate."""
+        return self.surprise < gates.surprise or self.share < gates.share
+
+
+def adequacy(tests: Sequence[LeftOver], gain: float) -> Adequacy:
+    """Summarise left-over tests of a model that won `gain` log-likelihood over the base."""
+    worst = max(tests, key=lambda t: t.surprise)
+    left = max((t.gain for t in tests if t.surprise > 3.0), default=0.0)
+    return Adequacy(worst.surprise, left, left / max(gain, 1.0), worst.group.name)
+
+
+def indistinguishable(ranking: Sequence[Ranked], gates: Gates) -> list[str]:
+    """Return the names whose evidence comes within `rival` of the first, the first included."""
+    if not ranking:
+        return []
+    top = ranking[0].evidence
+    return [r.name for r in ranking if top - r.evidence < gates.rival and r.evidence > 0]
