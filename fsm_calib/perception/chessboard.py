@@ -160,6 +160,19 @@ def corner_spacings(corners: FloatArray, board: BoardSpec) -> FloatArray:
     return nearest.ravel()
 
 
+def corner_clearances(corners: FloatArray, board: BoardSpec) -> FloatArray:
+    """Return how near each corner the next edge runs [px], shape (rows * columns,).
+
+    On a slanted board squares become sheared: the next parallel edge, at the height of the sheared square, is
+    then much nearer than the next corner.
+    """
+    grid = corners.reshape(board.rows, board.columns, 2)
+    along, across = np.gradient(grid, axis=1), np.gradient(grid, axis=0)
+    area = np.abs(along[..., 0] * across[..., 1] - along[..., 1] * across[..., 0])
+    longest = np.maximum(np.linalg.norm(along, axis=-1), np.linalg.norm(across, axis=-1))
+    return np.minimum(corner_spacings(corners, board), (area / longest).ravel())
+
+
 def smallest_spacing(corners: FloatArray, board: BoardSpec) -> float:
     """Return the smallest distance between neighbour corners [px]."""
     return float(corner_spacings(corners, board).min())
@@ -206,7 +219,8 @@ def _refined(
 ) -> FloatArray | None:
     """Return refined corners, or None when one of them ran away with every window tried."""
     spacing = corner_spacings(rough, board)
-    widest = np.floor(settings.window_of_spacing * spacing).astype(int)
+    clearance = corner_clearances(rough, board)
+    widest = np.floor(settings.window_of_spacing * clearance).astype(int)
     halves = np.clip(widest, settings.smallest_window_px, settings.largest_window_px)
     halves = np.where(_to_border(rough, gray) > halves + 1, halves, settings.smallest_window_px)
     limit = settings.largest_move_squares * np.maximum(spacing, 5.0)
