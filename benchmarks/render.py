@@ -90,9 +90,11 @@ def corner_error(distance, lean, seed):
 def accuracy():
     print("corners found against projectPoints of the truth, rms px over 8 noise seeds (largest):")
     for distance, lean in ((0.36, 90.0), (0.5, 0.0), (0.5, 30.0), (0.7, 0.0), (0.9, 15.0), (1.1, 0.0)):
-        rms = [corner_error(distance, math.radians(lean), seed) for seed in range(8)]
+        every = [corner_error(distance, math.radians(lean), seed) for seed in range(8)]
+        rms = [error for error in every if math.isfinite(error)]
+        mean = math.sqrt(float(np.mean(np.square(rms))))
         print(
-            f"  {distance:.2f} m, leaned {lean:2.0f} deg: {np.sqrt(np.mean(np.square(rms))):.3f} ({np.max(rms):.3f})"
+            f"  {distance:.2f} m, leaned {lean:2.0f} deg: {mean:.3f} ({max(rms):.3f}), found in {len(rms)} of 8"
         )
 
 

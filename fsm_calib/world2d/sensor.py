@@ -1,11 +1,11 @@
 """From light to a picture: defocus, vignetting, exposure noise and JPEG, as a small camera does them.
 
-    picture = JPEG( round( g(u, v) * blur(light) + sqrt(read^2 + shot * level) * n ) )
+    luma = JPEG( round( g(u, v) * blur(light) + sqrt(read^2 + shot * level) * n ) )
 
 with g the vignette (1 at the centre), blur a Gaussian of `defocus` [px], read [grey levels] and shot [grey
 levels] the two noise parts and n a standard normal field, on the luma alone (what JPEG leaves of colour noise
 is small). Assumes that averaging in grey levels is averaging of light (no gamma), which keeps edges in their
-places.
+places. Colour is added afterwards at half the resolution, as JPEG keeps it.
 
 The normal field is cut from a bank drawn once with a fixed seed: two windows at places that the frame's
 generator draws are added, so that no two frames share a field and a frame costs microseconds of random
@@ -112,12 +112,11 @@ def expose(light: Light, camera: CameraModel, settings: SensorSettings, rng: np.
     if settings.read_noise > 0.0 or settings.shot_noise > 0.0:
         spread = cv2.LUT(luma, _noise_table(settings.read_noise, settings.shot_noise))
         luma = cv2.add(luma, cv2.multiply(spread, noise_field(luma.shape, rng)), dtype=cv2.CV_8U)
-    chroma = cv2.resize(light.chroma, (camera.width, camera.height), interpolation=cv2.INTER_LINEAR)
-    image = cv2.cvtColor(cv2.merge([luma, chroma]), cv2.COLOR_YCrCb2BGR)
     if settings.jpeg_quality > 0:
-        _, coded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality])
-        return np.asarray(cv2.imdecode(coded, cv2.IMREAD_COLOR))
-    return image
+        _, coded = cv2.imencode(".jpg", luma, [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality])
+        luma = np.asarray(cv2.imdecode(coded, cv2.IMREAD_GRAYSCALE))
+    chroma = cv2.resize(light.chroma, (camera.width, camera.height), interpolation=cv2.INTER_LINEAR)
+    return np.asarray(cv2.cvtColor(cv2.merge([luma, chroma]), cv2.COLOR_YCrCb2BGR))
 
 
 @lru_cache(maxsize=32)

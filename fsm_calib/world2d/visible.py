@@ -52,7 +52,7 @@ class SurfaceIndex:
         self.layers = np.array([_LAYERS[surface.layer] for surface in surfaces])
         self.sides = np.array([surface.texture.size for surface in surfaces])
         self.two_sided = np.array([surface.two_sided for surface in surfaces])
-        steps = np.linspace(0.0, 1.0, 5)
+        steps = np.linspace(0.0, 1.0, 3)
         edge = [p for t in steps for p in ((t, 0.0), (1.0, t), (t, 1.0), (0.0, t))]
         plane = np.array([[*point, 1.0] for point in edge])
         scale = np.concatenate([self.sides, np.ones((len(surfaces), 1))], axis=1)
@@ -93,7 +93,7 @@ def _project_boxes(table: RayTable, outlines: FloatArray) -> list[RealBox]:
     u, v = matrix[0, 0] * x + matrix[0, 2], matrix[1, 1] * y + matrix[1, 2]
     low = np.stack([u.min(axis=1), v.min(axis=1)], axis=1)
     high = np.stack([u.max(axis=1), v.max(axis=1)], axis=1)
-    bend = 0.03 * np.max(high - low, axis=1, keepdims=True)  # edges are curved between the outline's points
+    bend = 0.04 * np.max(high - low, axis=1, keepdims=True)  # edges are curved between the outline's points
     return [
         (row[0], row[1], row[2], row[3]) for row in np.concatenate([low - bend, high + bend], axis=1).tolist()
     ]
