@@ -15,21 +15,31 @@ from fsm_calib.report.run_style import BOARD_COLOURS, PHASE_COLOURS, figure, svg
 from fsm_calib.types import Pose2
 from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, SceneSpec
 
-ARROW = 0.06
+ARROW = 0.16
 """Length of the arrow that shows where the robot looked from [m]."""
+NEAR = 0.62
+"""Half the width of the close-up [m]."""
+SHOULDER = 0.03
+"""Road drawn beyond its white lines, so that they show [m]."""
+ROAD_GREY = "#8d8d8d"
+"""Colour of the road, on which white lines show."""
 
 
 def floor_plan(record: RunRecord) -> str:
     """Return the floor plan as SVG."""
-    with figure(9.0, 6.0) as fig:
-        axes = fig.add_subplot()
-        draw_scene(axes, record.scene)
-        draw_track(axes, record)
-        draw_views(axes, record)
-        axes.set_aspect("equal")
-        axes.set_xlabel("x [m]")
-        axes.set_ylabel("y [m]")
-        axes.legend(loc="upper right", ncols=2, fontsize=8)
+    with figure(11.0, 5.6) as fig:
+        whole, near = fig.subplots(1, 2, width_ratios=(1.25, 1.0))
+        for axes in (whole, near):
+            draw_scene(axes, record.scene)
+            draw_track(axes, record)
+            axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
+        whole.margins(x=0.12)
+        whole.legend(loc="upper right", fontsize=8)
+        whole.set_title("the area")
+        draw_views(near, record)
+        near.set_title("around the start: where a board was seen from")
+        x, y = record.track[0, 1:3]
+        near.set(xlim=(x - 0.75 * NEAR, x + 1.25 * NEAR), ylim=(y - NEAR, y + NEAR))
         return svg(fig, "Floor plan with the driven path")
 
 
@@ -61,7 +71,7 @@ def _draw_field(axes: Axes, field: MarkerField) -> None:
             if field.first_id + row * field.columns + column in field.missing:
                 continue
             corners = _square(field.first_x - column * field.pitch, y, field.size, field.heading)
-            axes.add_patch(Polygon(corners, facecolor="#d9d9d9", edgecolor="none"))
+            axes.add_patch(Polygon(corners, facecolor="#c9ced6", edgecolor="none"))
 
 
 def _draw_board(axes: Axes, placement: BoardPlacement, number: int) -> None:
@@ -74,7 +84,8 @@ def _draw_board(axes: Axes, placement: BoardPlacement, number: int) -> None:
     corners = corners @ np.array([[c, s], [-s, c]]) + (placement.x, placement.y)
     axes.add_patch(Polygon(corners, facecolor=colour + "55", edgecolor=colour, linewidth=1.2))
     label = f"board {number}\n{placement.kind}"
-    axes.annotate(label, (placement.x + 0.14, placement.y), fontsize=8, color=colour, va="center")
+    spot = (placement.x + 0.14, placement.y)
+    axes.annotate(label, spot, fontsize=8, color=colour, va="center", annotation_clip=True, clip_on=True)
 
 
 def _draw_road(axes: Axes, road: Road) -> None:
@@ -88,7 +99,7 @@ def _draw_road(axes: Axes, road: Road) -> None:
         axes.add_patch(Polygon([(p.x, p.y) for p in points], facecolor=colour, edgecolor="none"))
 
     middle = road.centre_offset
-    band(middle, 2.0 * road.half_width, "#5a5a5a30")
+    band(middle, 2.0 * (road.half_width + SHOULDER), ROAD_GREY)
     edge = road.half_width - 0.5 * road.white_width
     band(middle - edge, road.white_width, "#ffffff")
     band(middle + edge, road.white_width, "#ffffff")
@@ -97,7 +108,7 @@ def _draw_road(axes: Axes, road: Road) -> None:
     for number in range(road.markers):
         spot = along.then(Pose2(road.first_marker + number * road.marker_pitch, 0.0))
         corners = _square(spot.x, spot.y, road.marker_size, road.start.theta)
-        axes.add_patch(Polygon(corners, facecolor="#bdbdbd", edgecolor="none"))
+        axes.add_patch(Polygon(corners, facecolor="#e3e6ea", edgecolor="none"))
 
 
 def draw_track(axes: Axes, record: RunRecord) -> None:
@@ -129,7 +140,7 @@ def draw_views(axes: Axes, record: RunRecord) -> None:
     """Draw an arrow for every view of a board, from where and in which direction the robot looked."""
     seen = [event for event in record.events if event["trigger"] in ("board_seen", "next_board_seen")]
     poses = np.array([event["pose"] for event in seen]).reshape(-1, 3)
-    colours = [BOARD_COLOURS[int(event["evidence"].get("board", 0)) % len(BOARD_COLOURS)] for event in seen]
+    colours = [BOARD_COLOURS[int(event["board"]) % len(BOARD_COLOURS)] for event in seen]
     if len(poses):
         u, v = ARROW * np.cos(poses[:, 2]), ARROW * np.sin(poses[:, 2])
         form: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.0018}

@@ -21,10 +21,15 @@ def ratio_history(record: RunRecord) -> str:
             axes.axhspan(true - TOLERANCE, true + TOLERANCE, color="#2a9d5c22", label="0.10 m after 2 m")
             axes.axhline(true, color="#2a9d5c", linewidth=1.0, linestyle="--", label="true")
         axes.plot(range(len(history)), history, marker="o", markersize=4, color="#333333", label="k in use")
-        runs = [run.wheel_ratio * run.k_i for run in record.notebook.runs]
+        runs = [run.wheel_ratio + run.k_i - 1.0 for run in record.notebook.runs]
         if runs:
             axes.plot(
-                range(len(runs)), runs, marker="x", linestyle="none", color="#e08214", label="k · kᵢ measured"
+                range(len(runs)),
+                runs,
+                marker="x",
+                linestyle="none",
+                color="#e08214",
+                label="k + (kᵢ − 1) of a drive",
             )
         axes.set_xlabel("iteration")
         axes.set_ylabel("wheel ratio k")

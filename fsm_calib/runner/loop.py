@@ -133,6 +133,7 @@ def event_record(run: Run, activity: str, outcome: Outcome, fired: Fired) -> dic
         "tick": run.machine.books.ticks,
         "time": run.robot.now(),
         "phase": run.machine.books.phase,
+        "board": run.machine.books.board,
         "path": fired.source,
         "activity": activity,
         "trigger": fired.trigger,

@@ -1,0 +1,144 @@
+"""The command line: exit codes, one clear message on standard error, results on standard output."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+import fsm_calib
+from fsm_calib.cli import app
+
+ROOT = Path(fsm_calib.__file__).parent.parent
+QUICK = """
+name: quick
+seed: 4
+robot: {source: nominal, known: {camera: true}}
+plan: [orientation]
+output: {recording: false, frames: 3}
+"""
+
+
+def call(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def quick(tmp_path: Path) -> Path:
+    path = tmp_path / "quick.yaml"
+    path.write_text(QUICK)
+    return path
+
+
+def test_help_lists_the_commands_of_the_contract() -> None:
+    result = call("--help")
+    assert result.exit_code == 0
+    for name in ("run", "validate", "diagrams", "schema", "calibrate-camera", "focus", "identify"):
+        assert f"  {name} " in result.stdout
+
+
+def test_help_imports_no_heavy_library() -> None:
+    heavy = "{'cv2', 'numba', 'scipy', 'matplotlib', 'pymunk'}"
+    code = f"import sys, fsm_calib.cli; print(*sorted({heavy} & set(sys.modules)))"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.strip() == ""
+
+
+def test_version_is_printed() -> None:
+    assert call("--version").stdout.startswith("fsm-calib ")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["nothing"], ["run"], ["validate"], ["run", "a.yaml", "--seed", "x"], ["validate", "no.yaml"]],
+)
+def test_wrong_use_exits_with_2_and_says_so_on_standard_error(arguments: list[str]) -> None:
+    result = call(*arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr
+
+
+def test_validate_accepts_a_good_scenario(quick: Path) -> None:
+    result = call("validate", quick)
+    assert result.exit_code == 0
+    assert "valid" in result.stdout
+
+
+def test_validate_reports_every_error_with_its_place(quick: Path) -> None:
+    quick.write_text("name: x\nsed: 1\nplan: [scam]\n")
+    result = call("validate", quick)
+    assert result.exit_code == 2
+    assert f"{quick}:2:1: unknown setting 'sed'. Did you mean seed?" in result.stderr
+    assert f"{quick}:3:8: plan[0] is 'scam'. Did you mean scan?" in result.stderr
+    assert "Traceback" not in result.output
+
+
+def test_a_bad_scenario_writes_nothing(quick: Path, tmp_path: Path) -> None:
+    quick.write_text("name: x\nplan: []\n")
+    result = call("run", quick, "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("extra", "message"),
+    [
+        (["--seed", "-1"], "the seed is -1"),
+        (["--out", "a", "--resume", "b"], "two directories"),
+        (["--resume", "b"], "b"),
+    ],
+)
+def test_wrong_options_of_run_exit_with_2(quick: Path, extra: list[str], message: str) -> None:
+    result = call("run", quick, *extra)
+    assert result.exit_code == 2
+    assert message in result.stderr
+
+
+def test_run_prints_a_summary_and_writes_its_files(quick: Path, tmp_path: Path) -> None:
+    result = call("run", quick, "--out", tmp_path / "out", "--seed", "9")
+    assert result.exit_code == 0
+    assert "outcome      done" in result.stdout
+    assert "by part" in result.stdout
+    written = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert (written["outcome"], written["seed"], written["camera"]) == ("done", 9, None)
+    assert sum(written["seconds"]["by_part"].values()) == pytest.approx(
+        written["seconds"]["wall"], rel=0.2, abs=0.2
+    )
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "<svg" in page
+    assert "http://" not in page.replace("http://www.w3.org", "")
+    assert "https://" not in page
+
+
+def test_a_failed_robot_exits_with_1_reason_and_cure(quick: Path, tmp_path: Path) -> None:
+    quick.write_text(QUICK + "faults: [{kind: dropped_frames}]\n")
+    result = call("run", quick, "--out", tmp_path / "out")
+    assert result.exit_code == 1
+    assert "camera_silent" in result.stderr
+    assert len(result.stderr.strip().splitlines()[-1]) > 40
+    failure = json.loads((tmp_path / "out" / "result.json").read_text())["failure"]
+    assert failure["name"] == "camera_silent"
+    assert failure["cure"]
+
+
+def test_schema_is_printed_as_json() -> None:
+    result = call("schema")
+    assert json.loads(result.stdout)["title"] == "Scenario"
+
+
+def test_diagrams_are_written_and_checked(tmp_path: Path) -> None:
+    assert call("diagrams", "--out", tmp_path).exit_code == 0
+    assert call("diagrams", "--check", "--out", tmp_path).exit_code == 0
+    next(tmp_path.glob("*.mmd")).write_text("stale")
+    stale = call("diagrams", "--check", "--out", tmp_path)
+    assert stale.exit_code == 1
+    assert "fsm-calib diagrams" in stale.stderr
+
+
+def test_the_committed_diagrams_are_current() -> None:
+    assert call("diagrams", "--check", "--out", ROOT / "diagrams").exit_code == 0
