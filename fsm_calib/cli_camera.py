@@ -28,14 +28,18 @@ def register(app: typer.Typer) -> None:
 
 
 def calibrate_camera(
-    images: Annotated[list[Path], typer.Argument(help="Photos of one chessboard by one camera.", show_default=False)],
+    images: Annotated[
+        list[Path], typer.Argument(help="Photos of one chessboard by one camera.", show_default=False)
+    ],
     board: Annotated[
         list[str], typer.Option(help="Inner corners, COLUMNSxROWS.", metavar="9x6", show_default=False)
     ],
     square: Annotated[float, typer.Option(help="Side of a square [m]; it scales distances only.")] = 0.025,
     json_file: Annotated[Path | None, typer.Option("--json", help="Write the result as JSON.")] = None,
     out: Annotated[Path | None, typer.Option(help="Write a camera_info YAML (ROS, Duckietown).")] = None,
-    report: Annotated[Path | None, typer.Option(help="Write a page with the error map and residuals.")] = None,
+    report: Annotated[
+        Path | None, typer.Option(help="Write a page with the error map and residuals.")
+    ] = None,
     name: Annotated[str, typer.Option(help="Name of the camera in the YAML.")] = "camera",
 ) -> None:
     """Calibrate a camera from photos and say how good the result is."""
@@ -62,13 +66,19 @@ def parse_board(texts: Sequence[str], square: float) -> BoardSpec:
         More than one board, not of the form, smaller than 3x3, or no positive square.
     """
     if len(texts) > 1:
-        raise InputError(f"{len(texts)} boards are given", where="--board", cure="Calibrate with one board at a time.")
+        raise InputError(
+            f"{len(texts)} boards are given", where="--board", cure="Calibrate with one board at a time."
+        )
     match = re.fullmatch(r"(\d+)[xX](\d+)", texts[0].strip())
     if match is None:
-        raise InputError(f"{texts[0]!r} is no board", where="--board", cure="Expected COLUMNSxROWS, such as 9x6.")
+        raise InputError(
+            f"{texts[0]!r} is no board", where="--board", cure="Expected COLUMNSxROWS, such as 9x6."
+        )
     columns, rows = int(match[1]), int(match[2])
     if min(columns, rows) < 3:
-        raise InputError(f"a board of {columns}x{rows} is too small", where="--board", cure="Use 3x3 or larger.")
+        raise InputError(
+            f"a board of {columns}x{rows} is too small", where="--board", cure="Use 3x3 or larger."
+        )
     if not 0.0 < square < 10.0:
         raise InputError(f"a square of {square} m", where="--square", cure="Expected metres, such as 0.025.")
     return BoardSpec(columns, rows, square)
@@ -82,16 +92,17 @@ def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str
     lines = [
         f"boards found        {len(photos.views)} of {given}, {result.views_used} used",
         f"lens model          {result.camera.model}",
-        f"rms                 {result.rms_px:.3f} px   (mean {result.mean_px:.3f}, the paper's {result.paper_px:.4f})",
+        f"rms                 {result.rms_px:.3f} px   mean {result.mean_px:.3f}, the paper's {result.paper_px:.4f}",
         f"cross-validated     {result.cross_validated_px:.3f} px   on views left out",
-        f"predicted error     {result.predicted_px:.2f} px   over the whole image, at most {result.predicted_map.max:.2f}",
+        f"predicted error     {result.predicted_px:.2f} px   over the image, at most {result.predicted_map.max:.2f}",
         f"coverage            X {bars.x:.0%}  Y {bars.y:.0%}  size {bars.size:.0%}  skew {bars.skew:.0%}",
     ]
     lines += [f"  {name:<4}{value:>12} +- {deviation}" for name, value, deviation in parameter_rows(result)]
     for trial in result.models:
-        figures = f"rms {trial.rms_px:.3f}, left out {trial.cross_validated_px:.3f}, predicted {trial.predicted_px:.2f} px"
-        lines.append(f"{trial.coefficients} coefficients      {figures}: {trial.verdict}")
-    lines += [f"left out            {drop.source}: {drop.reason}" for drop in (*photos.dropped, *result.views_dropped)]
+        errors = f"{trial.rms_px:.3f} rms, {trial.cross_validated_px:.3f} left out, {trial.predicted_px:.2f} predicted"
+        lines.append(f"{trial.coefficients} coefficients      {errors}: {trial.verdict}")
+    dropped = (*photos.dropped, *result.views_dropped)
+    lines += [f"left out            {view.source}: {view.reason}" for view in dropped]
     return "\n".join([*lines, verdict(result)])
 
 
@@ -142,7 +153,9 @@ def focus(
         reading = read_focus(values)
         best = path.name if reading.best_index == len(values) - 1 else best
         bar = "#" * round(30.0 * reading.share)
-        typer.echo(f"{path.name:<28} {reading.value:7.4f}  best {reading.best:7.4f}  {bar:<30} {reading.sentence}")
+        typer.echo(
+            f"{path.name:<28} {reading.value:7.4f}  best {reading.best:7.4f}  {bar:<30} {reading.sentence}"
+        )
     if not values:
         raise DataError("no photo was found", cure="Give photos, or a folder that holds some.")
     typer.echo(f"best: {best} ({max(values):.4f})")
@@ -161,7 +174,9 @@ def photo_stream(images: Sequence[Path], watch: float) -> Iterator[Path]:
     if len(images) != 1 or not images[0].is_dir():
         for path in images:
             if path.is_dir():
-                raise InputError("is a folder among files", where=str(path), cure="Give one folder alone, or files.")
+                raise InputError(
+                    "is a folder among files", where=str(path), cure="Give one folder alone, or files."
+                )
             yield path
         return
     seen: set[Path] = set()

@@ -167,7 +167,8 @@ def corner_clearances(corners: FloatArray, board: BoardSpec) -> FloatArray:
     then much nearer than the next corner.
     """
     grid = corners.reshape(board.rows, board.columns, 2)
-    along, across = np.gradient(grid, axis=1), np.gradient(grid, axis=0)
+    along = np.asarray(np.gradient(grid, axis=1))
+    across = np.asarray(np.gradient(grid, axis=0))
     area = np.abs(along[..., 0] * across[..., 1] - along[..., 1] * across[..., 0])
     longest = np.maximum(np.linalg.norm(along, axis=-1), np.linalg.norm(across, axis=-1))
     return np.minimum(corner_spacings(corners, board), (area / longest).ravel())

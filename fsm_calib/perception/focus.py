@@ -1,7 +1,7 @@
 """Following the sharpness while a person turns the lens's ring (paper, chapter 6).
 
-The sharpness rises towards the sharp point and falls behind it. `has_passed` is told when the value has fallen by
-more than the noise of a value from the best one; then the ring must be turned back.
+The sharpness rises towards the sharp point and falls behind it. `has_passed` is told when the value has
+fallen by more than the noise of a value from the best one; then the ring must be turned back.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ _FALL = 0.05  # a value this share below the best has passed the sharp point: se
 
 @dataclass(frozen=True, slots=True)
 class FocusReading:
-    """The sharpness now and the best so far [1], the number of the best reading, and whether it has been passed."""
+    """The sharpness now and the best so far [1], the number of the best reading, and whether it has been
+    passed.
+    """
 
     value: float
     best: float

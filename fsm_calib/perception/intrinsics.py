@@ -78,8 +78,9 @@ def calibrate(
             cure=f"Check the board's size and the first reason: {dropped[0].reason}.",
         )
     problem = problem.taken(used)
+    own = np.array([views[i].board for i in used])
     stages = [
-        evaluated(problem, fitted, kept, image_size, settings)
+        evaluated(problem, fitted, kept, own, image_size, settings)
         for fitted in fit_stages(problem, start, kept, settings)
     ]
     stage, trials = choose(stages, image_size, settings)

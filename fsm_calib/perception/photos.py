@@ -1,7 +1,7 @@
 """Photos of a chessboard from files: read them, find the board in each, and say why where it is missing.
 
-What no camera calibration can repair is refused with one sentence: a file that is no image, photos of different
-sizes, the same photo twice, another board than the one asked for.
+What no camera calibration can repair is refused with one sentence: a file that is no image, photos of
+different sizes, the same photo twice, another board than the one asked for.
 """
 
 from __future__ import annotations
@@ -20,16 +20,18 @@ from fsm_calib.perception.calibration import DroppedView
 from fsm_calib.perception.chessboard import DEFAULT_DETECTOR, DetectorSettings, board_size_in, inspect_board
 from fsm_calib.types import BoardSpec, BoardView
 
-_SIZE_CHECKS = 3  # photos in which the board's whole size is looked for: 0.1 s each
-_AGREEING_CHECKS = 2  # so many of them must show the same other size
+_SIZE_CHECKS = 2  # first photos in which the board's whole size is looked for: 0.1 s each
+_MOST_SIZE_CHECKS = 8  # sizes looked at in all, among them photos in which the board was not found
+_AGREEING_CHECKS = 2  # so many photos must show the same other board
+_AGREEING_PARTS = 3  # and so many when it could be a part of the board that was asked for
 
 
 @dataclass(frozen=True, eq=False)
 class PhotoSet:
     """Boards found in photos.
 
-    views : the boards, `source` holds the file; dropped : photos without one, and why; image_size : (width, height)
-    [px]; edge_widths_px : per view, how blurred its edges are, 10 to 90 % [px].
+    views : the boards, `source` holds the file; dropped : photos without one, and why; image_size : (width,
+    height) [px]; edge_widths_px : per view, how blurred its edges are, 10 to 90 % [px].
     """
 
     views: tuple[BoardView, ...]
@@ -39,7 +41,8 @@ class PhotoSet:
 
 
 def read_photo(path: Path, *, colour: bool = False) -> NDArray[np.uint8]:
-    """Return a photo, grey (height, width) or BGR (height, width, 3), as the sensor saw it (not turned by its tags).
+    """Return a photo, grey (height, width) or BGR (height, width, 3), as the sensor saw it (not turned by its
+    tags).
 
     Raises
     ------
@@ -49,7 +52,9 @@ def read_photo(path: Path, *, colour: bool = False) -> NDArray[np.uint8]:
     try:
         data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="Check the path.") from error
+        raise InputError(
+            f"cannot be read: {error.strerror}", where=str(path), cure="Check the path."
+        ) from error
     flags = (cv2.IMREAD_COLOR if colour else cv2.IMREAD_GRAYSCALE) | cv2.IMREAD_IGNORE_ORIENTATION
     image = cv2.imdecode(data, flags) if data.size else None
     if image is None:
@@ -70,16 +75,17 @@ def find_in_photos(
         No photo shows the board.
     """
     _refuse_twins(paths)
-    views, dropped, widths, sizes = [], [], [], list[tuple[int, int]]()
-    checked: list[tuple[int, int] | None] = []
+    views, dropped, widths = [], [], []
+    sizes: list[tuple[int, int]] = []
+    shown: list[tuple[int, int]] = []
     for index, path in enumerate(paths):
         gray = read_photo(path)
         sizes.append((gray.shape[1], gray.shape[0]))
         _refuse_other_size(paths[0], sizes[0], path, sizes[-1])
         finding = inspect_board(gray, board, settings=settings)
-        if len(checked) < _SIZE_CHECKS:
-            checked.append(board_size_in(gray))
-            _refuse_other_board(checked, board)
+        if index < _SIZE_CHECKS or (finding.view is None and len(shown) < _MOST_SIZE_CHECKS):
+            shown += [size] if (size := board_size_in(gray)) else []
+            _refuse_other_board(shown, board)
         if finding.view is None:
             dropped.append(DroppedView(index, str(path), finding.refusal))
         else:
@@ -106,10 +112,14 @@ def _refuse_twins(paths: Sequence[Path]) -> None:
         try:
             digest = hashlib.sha256(path.read_bytes()).hexdigest()
         except OSError as error:
-            raise InputError(f"cannot be read: {error.strerror}", where=str(path), cure="Check the path.") from error
+            raise InputError(
+                f"cannot be read: {error.strerror}", where=str(path), cure="Check the path."
+            ) from error
         if digest in seen:
             raise InputError(
-                f"is the same photo as {seen[digest]}", where=str(path), cure="A view counts once: leave one out."
+                f"is the same photo as {seen[digest]}",
+                where=str(path),
+                cure="A view counts once: leave one out.",
             )
         seen[digest] = path
 
@@ -123,15 +133,17 @@ def _refuse_other_size(first: Path, size: tuple[int, int], path: Path, other: tu
         )
 
 
-def _refuse_other_board(found: Sequence[tuple[int, int] | None], board: BoardSpec) -> None:
-    """Refuse when several photos agree on another size of board."""
-    asked = tuple(sorted((board.columns, board.rows)))
-    others = [size for size in found if size is not None and tuple(sorted(size)) != asked]
-    for size in set(others):
-        if others.count(size) >= _AGREEING_CHECKS:
-            larger, smaller = max(size), min(size)
+def _refuse_other_board(shown: Sequence[tuple[int, int]], board: BoardSpec) -> None:
+    """Refuse when photos agree on another board; a smaller one may be the asked one, cut by the image's
+    border.
+    """
+    asked = (max(board.columns, board.rows), min(board.columns, board.rows))
+    others = [(max(size), min(size)) for size in shown]
+    for size in sorted({other for other in others if other != asked}):
+        is_part = size[0] <= asked[0] and size[1] <= asked[1]
+        if others.count(size) >= (_AGREEING_PARTS if is_part else _AGREEING_CHECKS):
             raise InputError(
-                f"the photos show a board of {larger}x{smaller} inner corners, not {board.columns}x{board.rows}",
+                f"photos show a board of {size[0]}x{size[1]} inner corners, not {board.columns}x{board.rows}",
                 where="--board",
-                cure=f"Use --board {larger}x{smaller}.",
+                cure=f"Use --board {size[0]}x{size[1]}, or leave the photos of another board out.",
             )

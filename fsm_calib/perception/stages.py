@@ -23,6 +23,7 @@ from fsm_calib.perception.free_boards import BoardPoses, FreeBoards, start_poses
 from fsm_calib.perception.lens import FREE_OF_COEFFICIENTS, camera_model, is_sane_over_image
 from fsm_calib.perception.prediction import predicted_error, projection_difference, sensitivity
 from fsm_calib.perception.solve_settings import SolveSettings
+from fsm_calib.perception.systematic import systematic_covariance
 from fsm_calib.types import FloatArray
 
 _TINY_PX2 = 1e-12  # keeps the logarithm of a perfect fit finite
@@ -87,12 +88,14 @@ def covariance_of(solution: Solution, held: np.ndarray, local_unknowns: int) -> 
 
 
 def evaluated(
-    problem: FreeBoards, fitted: tuple[int, Solution[BoardPoses]], kept: FloatArray,
+    problem: FreeBoards, fitted: tuple[int, Solution[BoardPoses]], kept: FloatArray, board: np.ndarray,
     image_size: tuple[int, int], settings: SolveSettings,
 ) -> Stage:  # fmt: skip
-    """Return a fitted model with its covariance, predicted error and cross-validation."""
+    """Return a fitted model with its covariance, predicted error and cross-validation; `board` per view."""
     coefficients, solution = fitted
-    covariance, noise = covariance_of(solution, held_intrinsics(coefficients), 6 * len(kept))
+    held = held_intrinsics(coefficients)
+    covariance, noise = covariance_of(solution, held, 6 * len(kept))
+    covariance = covariance + systematic_covariance(solution, board, held)
     intrinsics = solution.state.intrinsics
     predicted = predicted_error(sensitivity(intrinsics, image_size), covariance).rms
     left_out = left_out_errors(problem, solution.state, coefficients, kept, settings)

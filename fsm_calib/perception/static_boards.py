@@ -31,6 +31,7 @@ from fsm_calib.perception.static_start import (
     tilt_from_vertical,
     vertical_in_camera,
 )
+from fsm_calib.perception.systematic import systematic_covariance
 from fsm_calib.types import BoardSpec, BoardView, CameraMount, FloatArray
 
 _FLAT = math.cos(math.radians(4.0))  # a board whose normal is this near the vertical lies on the floor
@@ -182,6 +183,7 @@ def _result(
 ) -> StaticResult:  # fmt: skip
     state = solution.state
     covariance, noise = covariance_of(solution, held, 3 * len(state.frames))
+    covariance = covariance + systematic_covariance(solution, problem.board, held)
     deviation = np.sqrt(np.diag(covariance)[12:FIRST_BOARD])
     height = _height(state, problem.points_board.mean(axis=0))
     result = StaticResult(

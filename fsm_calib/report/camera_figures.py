@@ -1,4 +1,6 @@
-"""The figures of the camera report: where it is uncertain, where it is off, what the boards reached, what it does."""
+"""The figures of the camera report: where it is uncertain, where it is off, what the boards reached, what
+it does.
+"""
 
 from __future__ import annotations
 
