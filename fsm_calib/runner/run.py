@@ -18,6 +18,7 @@ from fsm_calib.runner import files
 from fsm_calib.runner.loop import run_to_end, step_abort
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Observer, Silent
+from fsm_calib.runner.recording import write_drive
 from fsm_calib.runner.result import result_of
 from fsm_calib.runner.session import Session, new_session, resumed_session
 from fsm_calib.scenario.models import Scenario
@@ -76,6 +77,8 @@ def run_scenario(
         with parts.part("report"):
             result = result_of(session, 0.0, {})
             files.write_calibrations(directory, session)
+            if scenario.output.recording:
+                write_drive(directory, session)
             _write_report(directory, session, result | _seconds(session, parts, began))
     result |= _seconds(session, parts, began)
     files.write_result(directory, result)

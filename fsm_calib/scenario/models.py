@@ -147,7 +147,21 @@ class OutputSection(Section):
     """What a run leaves behind."""
 
     frames: int = Field(default=24, ge=0, le=500, description="Camera frames kept for the report.")
-    recording: bool = Field(default=True, description="Write the drive as a recording.")
+    recording: bool = Field(
+        default=True, description="Write the drive as a recording (fsm-calib/recording@1)."
+    )
+    bag: Literal["none", "ros1", "mcap"] = Field(
+        default="none", description="Write the drive as a ROS 1 bag or as a ROS 2 bag of MCAP, too."
+    )
+    pose_noise: float = Field(
+        default=0.001,
+        ge=0.0,
+        le=1.0,
+        description="Noise of the recorded poses, standard deviation of x and y [m].",
+    )
+    heading_noise: float = Field(
+        default=0.005, ge=0.0, le=1.0, description="Noise of the recorded headings, standard deviation [rad]."
+    )
     report: bool = Field(default=True, description="Write report.html.")
 
 
