@@ -20,7 +20,7 @@ from fsm_calib.machines.limits import Limits
 from fsm_calib.machines.runtime import leaves
 
 Config = tuple[str, tuple[Any, ...]]
-NAMES = tuple(name for name in Books().to_dict() if name != "ticks")
+NAMES = tuple(name for name in Books().to_dict() if name not in ("ticks", "failure"))
 SAMPLES: dict[str, tuple[Any, ...]] = {
     "sharp": (True, False),
     "quiet": (True, False),

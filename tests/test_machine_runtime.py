@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import pytest
 
 from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.machines.activities import CONTRACT
+from fsm_calib.machines.books import Books
 from fsm_calib.machines.failures import FAILURES
 from fsm_calib.machines.limits import PUBLISHED, Limits, with_published
 from fsm_calib.machines.runtime import CalibrationMachine, leaves
@@ -46,16 +49,29 @@ def test_failure_without_a_sentence_says_the_declared_one() -> None:
     assert (machine.failure.reason, machine.failure.cure) == (declared.reason, declared.cure)
 
 
-def test_resumed_failure_is_still_known() -> None:
-    machine = CalibrationMachine(state="failed/wheel_dead")
-    assert machine.is_terminal
+def test_failure_of_a_spent_budget_tells_the_numbers_and_the_table_s_cure() -> None:
+    books = Books(board=1, steps=30, angle=2.5)
+    machine = CalibrationMachine(Limits(), books=books, state="scan/clockwise/searching")
+    machine.fire(Outcome("board_missed", {"turned": 1.0}, "The board is not in sight.", "Look elsewhere."))
     assert machine.failure is not None
-    assert machine.failure.name == "wheel_dead"
+    assert "Chessboard 1 was not found" in machine.failure.reason
+    assert "30 steps, 2.5 rad" in machine.failure.reason
+    assert machine.failure.cure == leaves()["failed/board_missing"].cure
+
+
+def test_failure_is_in_the_books_and_so_in_the_checkpoint() -> None:
+    machine = CalibrationMachine(state="wheels/forward")
+    machine.fire(Outcome("wheel_stalled", {}, "The left wheel stands.", "Plug it in."))
+    books = Books.from_dict(machine.books.to_dict())
+    resumed = CalibrationMachine(books=books, state="failed/wheel_dead")
+    assert resumed.is_terminal
+    assert resumed.failure == machine.failure
 
 
 @pytest.mark.parametrize("state", FAILURES, ids=lambda state: state.name)
 def test_every_failure_has_a_reason_and_a_cure_that_are_sentences(state) -> None:
-    for text in (state.reason, state.cure):
+    reason = state.reason.format(**(asdict(Limits()) | Books().to_dict()))
+    for text in (state.about, reason, state.cure):
         assert text[0].isupper()
         assert text.endswith(".")
 

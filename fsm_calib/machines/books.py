@@ -37,6 +37,8 @@ class Books:
         Events of their kind in this phase; `quiet` and `lost_frames` in a row.
     ticks : int
         Outcomes taken since the start of the run.
+    failure : dict of str to str
+        Why the run failed (name, reason, cure, state); empty while it has not.
     """
 
     plan: list[str] = field(default_factory=list)
@@ -59,6 +61,7 @@ class Books:
     recoveries: int = 0
     lost_frames: int = 0
     ticks: int = 0
+    failure: dict[str, str] = field(default_factory=dict)
 
     @classmethod
     def for_plan(cls, plan: Iterable[str]) -> Books:
@@ -90,4 +93,4 @@ class Books:
             raise InputError(
                 f"the books' fields differ: {wrong}", where="checkpoint", cure="Start the run anew."
             )
-        return cls(**{**data, "plan": list(data["plan"])})
+        return cls(**{**data, "plan": list(data["plan"]), "failure": dict(data["failure"])})

@@ -33,7 +33,7 @@ def machines_markdown() -> str:
     lines += ["", "## Activities and what they may return", ""]
     lines += _table(("activity", "does", "outcomes (evidence that guards read)"), map(_activity, ACTIVITIES))
     lines += ["", "## Failures", ""]
-    lines += _table(("failure", "reason", "cure"), ((f"`{s.name}`", s.reason, s.cure) for s in FAILURES))
+    lines += _table(("failure", "reason", "cure"), ((f"`{s.name}`", s.about, s.cure) for s in FAILURES))
     lines += ["", "## Limits", "", "Their meaning and source: `fsm_calib/machines/limits.py`.", ""]
     lines += _table(("limit", "default"), ((f"`{i.name}`", f"{i.default:.4g}") for i in fields(Limits)))
     lines += ["", "## Published behaviours that are limits", ""]

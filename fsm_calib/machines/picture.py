@@ -122,7 +122,7 @@ def _summary(path: str, edges: tuple[Transition, ...]) -> tuple[Label, ...]:
 
 
 def _failures(path: str, state: State) -> Box:
-    rows = tuple(Label(child.name, "", "", child.reason) for child in state.children)
+    rows = tuple(Label(child.name, "", "", child.about) for child in state.children)
     return Box(path, state.name, state.about, "failure", rows=rows)
 
 

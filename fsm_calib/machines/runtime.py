@@ -5,7 +5,7 @@ to.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cache
 from typing import Any
 
@@ -89,7 +89,6 @@ class CalibrationMachine:
         start = SUPERVISOR.states[0].name if state is None else state
         if start not in leaves():
             raise UnknownNameError("state", start, leaves())
-        self.failure = _failure(start, start, "", "")
         self._machine = compile_chart(SUPERVISOR)
         self._model = Model(self.books, self.limits)
         self._machine.add_model(self._model, initial=start)
@@ -108,6 +107,11 @@ class CalibrationMachine:
     def is_terminal(self) -> bool:
         """Whether the run has ended: done, aborted or failed."""
         return self.activity is None
+
+    @property
+    def failure(self) -> Failure | None:
+        """Why the run failed; None when it has not."""
+        return Failure(**self.books.failure) if self.books.failure else None
 
     @property
     def triggers(self) -> tuple[str, ...]:
@@ -134,10 +138,19 @@ class CalibrationMachine:
             raise UndeclaredOutcomeError(source, outcome.trigger, self.triggers)
         if not model.dispatch(outcome.trigger, outcome.evidence):
             raise UndeclaredOutcomeError(source, outcome.trigger, self.triggers)
-        self.failure = _failure(self.state, source, outcome.sentence, outcome.cure)
+        if leaves()[self.state].reason:
+            self.books.failure = asdict(self._failure(source, outcome))
         return Fired(
             outcome.trigger, source, self.state, dict(model.answers), tuple(model.kept), model.taken[0]
         )
+
+    def _failure(self, source: str, outcome: Outcome) -> Failure:
+        """Return why the run failed: when a budget ended it, the table's reason, else the activity's."""
+        leaf, numbers = leaves()[self.state], asdict(self.limits) | self.books.to_dict()
+        reason = leaf.reason.format(**numbers)
+        if self._model.answers:
+            return Failure(leaf.name, reason, leaf.cure, source)
+        return Failure(leaf.name, outcome.sentence or reason, outcome.cure or leaf.cure, source)
 
 
 def _in_order(plan: Iterable[str]) -> list[str]:
@@ -145,13 +158,6 @@ def _in_order(plan: Iterable[str]) -> list[str]:
     for name in sorted(wanted - set(PHASES)):
         raise UnknownNameError("phase", name, PHASES)
     return [phase for phase in PHASES if phase in wanted]
-
-
-def _failure(state: str, source: str, reason: str, cure: str) -> Failure | None:
-    leaf = leaves()[state]
-    if not leaf.reason:
-        return None
-    return Failure(leaf.name, reason or leaf.reason, cure or leaf.cure, source)
 
 
 @cache
