@@ -1,0 +1,138 @@
+"""`fsm-calib diagnose` and `fsm-calib effects`: which physics a simulation leaves out, and what it could be."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+
+def register(app: typer.Typer) -> None:
+    """Add `diagnose` and `effects` to the command line."""
+    app.command("diagnose")(diagnose_command)
+    app.command("effects")(effects_command)
+
+
+def diagnose_command(
+    recordings: Annotated[
+        list[str], typer.Argument(metavar="RECORDING...", help="Manifests, folders, bags or .mcap files.")
+    ],
+    holdout: Annotated[
+        list[str] | None, typer.Option(metavar="RECORDING", help="Judge the result on this one; repeatable.")
+    ] = None,
+    without: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Leave an effect out of the catalogue; repeatable.")
+    ] = None,
+    world: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the improved world to this scenario file.")
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Write the verdict as JSON; - for standard output.")
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write report.html and world.yaml to this folder.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the significance test.")] = 0,
+) -> None:
+    """Compare recordings with the simulation: locate the mismatch, name the physics, show the fit improve."""
+    from fsm_calib.diagnosis.diagnose import diagnose
+    from fsm_calib.errors import InputError, UnknownNameError
+    from fsm_calib.recording import read_recording
+    from fsm_calib.report.diagnosis_progress import DiagnosisProgress
+    from fsm_calib.world2d.effects import registry
+
+    for name in without or ():
+        if name not in registry():
+            raise UnknownNameError("effect", name, registry(), where="--without")
+    for path in (json_file, world):
+        if path is not None and str(path) != "-" and not path.parent.is_dir():
+            raise InputError("the folder of the output file does not exist", where=str(path))
+    train = [read_recording(path) for path in recordings]
+    new = [read_recording(path) for path in holdout or ()]
+    for recording in train + new:
+        for finding in recording.checks:
+            typer.echo(f"{recording.source}: {finding}", err=True)
+    with DiagnosisProgress(len(registry())) as bar:
+        result = diagnose(train, new, without=without or (), progress=bar.part, seed=seed)
+    plain = result.verdict.as_json()
+    if str(json_file) == "-":
+        typer.echo(json.dumps(plain, indent=1, allow_nan=False))
+    else:
+        typer.echo("\n".join(summary_lines(plain)))
+    _write(json_file, json.dumps(plain, indent=1, allow_nan=False) + "\n")
+    if world is not None or report is not None:
+        from fsm_calib.report.diagnosis_world import world_text
+
+        _write(world, world_text(result))
+        if report is not None:
+            from fsm_calib.report.diagnosis_report import write_report
+
+            report.mkdir(parents=True, exist_ok=True)
+            _write(report / "world.yaml", world_text(result))
+            typer.echo(f"report: {write_report(result, report)}")
+
+
+def _write(path: Path | None, text: str) -> None:
+    """Write a file unless it is None or standard output."""
+    from fsm_calib.errors import InputError
+
+    if path is None or str(path) == "-":
+        return
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot write the file: {error.strerror}", where=str(path)) from error
+
+
+def summary_lines(plain: dict[str, Any]) -> list[str]:
+    """Return the verdict as lines of text."""
+    lines = [f"{plain['verdict']}: {plain['reason']}"]
+    for effect in plain["effects"]:
+        lines.append(f"  {effect['name']} (confidence {effect['confidence']:.2f}): {effect['sentence']}")
+    for group in plain["ambiguous"]:
+        lines.append(f"  cannot be told apart: {', '.join(group)}")
+    located = plain["located"]
+    if plain["verdict"] != "match":
+        where = f", around {located['where']}" if located["where"] else ""
+        lines.append(f"  shows in: {', '.join(located['channels']) or '-'}; {located['regime'] or '-'}{where}")
+    if plain["family"]:
+        lines.append(f"  resembles most: {plain['family']}")
+    for name in ("holdout", "train"):
+        errors = plain["fit"][name]
+        if errors:
+            said = [f"{k} {_millimetres(errors[k]['xy_m'])}, {_degrees(errors[k]['theta_rad'])}" for k in errors]
+            lines.append(f"  {plain['fit']['horizon_s']:g} s error on {name}: {'; '.join(said)}")
+    for rival in plain["rivals"][:3]:
+        lines.append(f"  rival {rival['name']}: {rival['evidence_gap']:.0f} behind")
+    lines.append(f"  next: {plain['next_manoeuvre']}")
+    parts = ", ".join(f"{name} {seconds:.1f}" for name, seconds in plain["seconds_by_part"].items())
+    return [*lines, f"  {plain['seconds']:.1f} s ({parts})"]
+
+
+def _millimetres(value: float | None) -> str:
+    return "-" if value is None else f"{1e3 * value:.1f} mm"
+
+
+def _degrees(value: float | None) -> str:
+    return "-" if value is None else f"{57.29578 * value:.2f} deg"
+
+
+def effects_command(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+) -> None:
+    """Print the catalogue of effects: equation, parameters, where each shows, what separates it from its rivals."""
+    from fsm_calib.world2d.effects.catalogue import table
+
+    rows = table()
+    if as_json:
+        typer.echo(json.dumps(rows, indent=1, allow_nan=False))
+        return
+    for row in rows:
+        typer.echo(f"{row['name']} ({row['family']}): {row['summary']}")
+        typer.echo(f"    {row['equation']}")
+        for p in row["parameters"]:
+            low, high = p["bounds"]
+            typer.echo(f"    {p['name']} [{p['unit']}], nothing at {p['null']:g}, {low:g} to {high:g}")
+        typer.echo(f"    shows in {', '.join(row['channels'])}; {row['separates']}")

@@ -1,0 +1,66 @@
+"""`diagnose`: recordings in, verdict out. The one entry of this room for the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+from fsm_calib.diagnosis.decide import Decision, decide
+from fsm_calib.diagnosis.explain import verdict_of
+from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates
+from fsm_calib.diagnosis.heldout import Comparison, compare
+from fsm_calib.diagnosis.prepared import prepare
+from fsm_calib.diagnosis.settings import DEFAULT_SETTINGS, Settings
+from fsm_calib.diagnosis.simulator import Simulator, make_simulator
+from fsm_calib.diagnosis.verdict import Verdict
+from fsm_calib.recording.recording import Recording
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """A verdict with everything that it was drawn from, for reports."""
+
+    verdict: Verdict
+    decision: Decision
+    train: Comparison
+    holdout: Comparison | None
+    holdout_simulators: tuple[Simulator, ...]
+
+
+def diagnose(
+    recordings: Sequence[Recording],
+    holdouts: Sequence[Recording] = (),
+    *,
+    without: Iterable[str] = (),
+    settings: Settings = DEFAULT_SETTINGS,
+    gates: Gates = DEFAULT_GATES,
+    progress: Callable[[str], None] = lambda part: None,
+    seed: int = 0,
+) -> Diagnosis:
+    """Compare recordings of one robot with the simulation and say what it leaves out.
+
+    Parameters
+    ----------
+    recordings : what is fitted; holdouts : what is only predicted.
+    without : names to leave out of the catalogue.
+    seed : of the sign flips that give the location its significance.
+
+    Raises
+    ------
+    DataError
+        A recording has no poses with headings, too few of them, or no input.
+    """
+    began = perf_counter()
+    simulators = tuple(make_simulator(prepare(r, settings)) for r in recordings)
+    new = tuple(make_simulator(prepare(r, settings)) for r in holdouts)
+    read = perf_counter() - began
+    decision = decide(simulators, without=without, gates=gates, progress=progress, seed=seed)
+    decision.seconds["prepare"] = read
+    began = perf_counter()
+    progress("proof")
+    train = compare(simulators, decision.base, decision.model.fit, new=False)
+    holdout = compare(new, decision.base, decision.model.fit, new=True) if new else None
+    decision.seconds["proof"] = perf_counter() - began
+    verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
+    return Diagnosis(verdict, decision, train, holdout, new)

@@ -1,0 +1,180 @@
+"""From a decision to the verdict a person reads: names, numbers with intervals, sets, sentences, the next manoeuvre."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from fsm_calib.diagnosis.bank import Ranked
+from fsm_calib.diagnosis.decide import Decision, smallest_sizes
+from fsm_calib.diagnosis.fit import ALL_RUNS, Fit
+from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, indistinguishable
+from fsm_calib.diagnosis.heldout import Comparison
+from fsm_calib.diagnosis.noise import NOISE_NAMES
+from fsm_calib.diagnosis.verdict import ErrorTriple, Estimate, Located, NamedEffect, Rival, Verdict
+from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import parameter_table
+
+TEMPER = 3.0  # evidence gaps are divided by it: inexact equations make likelihoods over-confident (development seeds)
+GENERAL_DOUBT = 0.02  # share of names that were wrong on the development seeds for no visible reason
+MANOEUVRE_MENU = "straights at three speeds both ways, spins at three rates, a slalom, and the suspected place on two headings"
+
+
+def verdict_of(
+    decision: Decision,
+    train: Comparison,
+    holdout: Comparison | None,
+    *,
+    horizon: float,
+    gates: Gates = DEFAULT_GATES,
+) -> Verdict:
+    """Put a decision and its proof into the contract's values."""
+    named = decision.outcome == "explained"
+    effects = decision.model.effects if named else ()
+    sets = ambiguous_sets(decision, gates)
+    return Verdict(
+        verdict=decision.outcome,
+        effects=tuple(_named(e, decision, i) for i, e in enumerate(effects)),
+        ambiguous=sets,
+        located=located(decision),
+        horizon=horizon,
+        train=ErrorTriple(train.before, train.after, train.floor),
+        holdout=None if holdout is None else ErrorTriple(holdout.before, holdout.after, holdout.floor),
+        rivals=rivals(decision),
+        next_manoeuvre=next_manoeuvre(decision, sets),
+        reason=decision.reason,
+        base=base_estimates(decision.model.fit),
+        noise=dict(zip(NOISE_NAMES, map(float, decision.model.fit.noise.vector()), strict=True)),
+        family=family_of(decision),
+        smallest_seen=_smallest(decision, gates) if decision.outcome == "match" else {},
+        seconds=dict(decision.seconds),
+    )
+
+
+def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
+    """Return the effect's fitted numbers; those that belong to a recording carry its number after the name."""
+    table = parameter_table()
+    found: dict[str, Estimate] = {}
+    for j, slot in enumerate(fit.slots):
+        if table.owner[slot.place] != ranked.name:
+            continue
+        entry = table.entries[slot.place]
+        shared = slot.run == ALL_RUNS or ranked.hypothesis.run != ALL_RUNS
+        name = entry.name if shared else f"{entry.name}_{slot.run + 1}"
+        value = float(fit.values[max(slot.run, 0), slot.place])
+        variance = float(fit.covariance[j, j])
+        found[name] = Estimate(value, math.sqrt(variance) if variance > 0 else math.nan, entry.unit)
+    return found
+
+
+def base_estimates(fit: Fit) -> dict[str, Estimate]:
+    """Return the base robot's fitted numbers."""
+    table = parameter_table()
+    return {
+        table.names[s.place]: Estimate(float(fit.values[0, s.place]), float(np.sqrt(max(fit.covariance[j, j], 0.0))), table.entries[s.place].unit)
+        for j, s in enumerate(fit.slots)
+        if table.owner[s.place] == ""
+    }  # fmt: skip
+
+
+def sentence(effect: Effect, numbers: dict[str, Estimate]) -> str:
+    """Return the effect's sentence with its numbers."""
+    said = {}
+    for p in effect.parameters:
+        e = numbers.get(p.name) or numbers.get(f"{p.name}_1") or Estimate(p.null, math.nan, p.unit)
+        unit = "" if e.unit == "1" else f" {e.unit}"
+        spread = f" ± {e.sd:.1g}" if math.isfinite(e.sd) else ""
+        said[p.name] = f"{e.value:.3g}{spread}{unit}"
+    return effect.sentence.format(**said)
+
+
+def _named(ranked: Ranked, decision: Decision, order: int) -> NamedEffect:
+    effect = registry()[ranked.name]
+    numbers = estimates(ranked, decision.model.fit)
+    pool = decision.ranking if order == 0 else decision.second_ranking
+    return NamedEffect(ranked.name, confidence(ranked, pool, decision), numbers, sentence(effect, numbers))
+
+
+def confidence(ranked: Ranked, pool: Sequence[Ranked], decision: Decision) -> float:
+    """Return the probability that the name is right.
+
+    Tempered posterior over the rivals, less what left-over structure says about the equation.
+    """
+    top = max([r.evidence for r in pool if r.name == ranked.name], default=ranked.evidence)
+    others = [0.5 * (r.evidence - top) / TEMPER for r in pool if r.name != ranked.name]
+    none = -0.5 * top / TEMPER
+    share = 1.0 / (1.0 + sum(math.exp(min(x, 30.0)) for x in [*others, none]))
+    left = decision.model.adequacy
+    doubt = GENERAL_DOUBT + 0.3 * min(left.share, 1.0) * (left.surprise > 4.0)
+    return max(0.01, share * (1.0 - doubt))
+
+
+def ambiguous_sets(decision: Decision, gates: Gates) -> tuple[tuple[str, ...], ...]:
+    """Return the sets of names that the data cannot tell apart, largest evidence first."""
+    if decision.outcome != "explained" or len(decision.model.effects) > 1:
+        return ()
+    names = indistinguishable(decision.ranking, gates)
+    return (tuple(names),) if len(names) > 1 else ()
+
+
+def rivals(decision: Decision) -> tuple[Rival, ...]:
+    """Return the next five names and the evidence that they lack."""
+    if not decision.ranking:
+        return ()
+    top = decision.ranking[0]
+    skip = {e.name for e in decision.model.effects}
+    return tuple(Rival(r.name, top.evidence - r.evidence) for r in decision.ranking if r.name not in skip)[:5]
+
+
+def family_of(decision: Decision) -> str:
+    """Return the family that an unexplained mismatch resembles most; empty when nothing comes near."""
+    if decision.outcome != "unexplained" or not decision.model.effects:
+        return ""
+    return registry()[decision.model.effects[0].name].family
+
+
+def next_manoeuvre(decision: Decision, sets: tuple[tuple[str, ...], ...]) -> str:
+    """Return the drive that would settle what is open."""
+    if sets:
+        first, *others = sets[0]
+        return f"To tell {first} from {' or '.join(others)}: {registry()[first].manoeuvre} ({registry()[first].separates})."
+    if decision.outcome == "explained":
+        return f"To confirm: {registry()[decision.model.effects[0].name].manoeuvre}."
+    if decision.outcome == "unexplained":
+        return f"Drive {MANOEUVRE_MENU}, so that what it depends on stands out."
+    return f"None is needed; for smaller effects drive longer: {MANOEUVRE_MENU}."
+
+
+def located(decision: Decision) -> Located:
+    """Return the location, made sharper by the named effect's own place and time."""
+    place, when = decision.location.where, decision.location.when
+    channels = list(decision.location.channels)
+    if decision.outcome == "match":
+        return Located(p_value=decision.location.p_value)
+    for ranked in decision.model.effects if decision.outcome == "explained" else ():
+        effect = registry()[ranked.name]
+        numbers = estimates(ranked, decision.model.fit)
+        channels += [c for c in effect.channels if c == "sensor" and c not in channels]
+        if effect.scan == "place":
+            size = numbers.get("radius") or Estimate(min(numbers["half_x"].value, numbers["half_y"].value), math.nan, "m")
+            place = {"x": numbers["x"].value, "y": numbers["y"].value, "radius": size.value}
+        if effect.scan == "time":
+            start = numbers["start"].value
+            length = numbers["duration"].value if "duration" in numbers else effect.parameter("duration").null
+            when = ((round(start, 3), round(start + length, 3)),)
+    channels = channels or list(registry()[decision.model.effects[0].name].channels if decision.model.effects else ())
+    return Located(tuple(channels), when, place, decision.location.states, _regime(decision), decision.location.p_value)
+
+
+def _regime(decision: Decision) -> str:
+    if decision.outcome == "explained":
+        words = [r.replace("_", " ") for e in decision.model.effects for r in registry()[e.name].regimes]
+        return ", ".join(dict.fromkeys(words))
+    return decision.location.regime
+
+
+def _smallest(decision: Decision, gates: Gates) -> dict[str, Estimate]:
+    sizes = smallest_sizes(decision, gates.detect)
+    return {f"{name}.{p}": Estimate(size, math.nan, unit) for name, (p, size, unit) in sizes.items()}
