@@ -9,9 +9,11 @@ others are clearly better.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from fsm_calib.diagnosis.identify_align_heading import SHORTEST_PATH, linear_guess
 from fsm_calib.diagnosis.identify_inputs import TYPICAL_AXLE, Wheels
@@ -21,7 +23,7 @@ from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.types import FloatArray
 
 LADDER = np.geomspace(0.3, 3.0, 41)  # axle lengths tried, as multiples of the stated one
-LONGEST_PATH = 30.0  # m: beyond, dead reckoning tells more about its drift than about the axle
+PATHS = (4.0, 8.0, 16.0, 32.0)  # m: least squares on growing paths; beyond, drift hides the axle
 CLEARLY_BETTER = 0.7  # an error below this share of the stated signs' error overrules them
 SIGNS = ((1, 1, False), (-1, -1, False), (1, -1, False), (-1, 1, False))  # exchanged sides look like (-1, -1)
 
@@ -40,6 +42,13 @@ class Alignment:
     heading: float
     psi: float
     error: float
+    ratio: float = 1.0
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Scale of the left and of the right wheel."""
+        left = 2.0 * self.scale / (1.0 + self.ratio)
+        return left, left * self.ratio
 
     @property
     def as_stated(self) -> bool:
@@ -69,19 +78,70 @@ def align(wheels: Wheels, pose: PoseTrack, axle: float | None) -> Alignment:
         raise DataError(
             "the robot hardly moved", cure="Drive at least some turns of the wheels, to both sides."
         )
-    end = max(int(np.searchsorted(moved, LONGEST_PATH)), 3)
-    found = [
-        best
-        for signs in SIGNS
-        if (
-            best := _best_axle(
+    found = []
+    for signs in SIGNS:
+        a, b = signs[0] * left, signs[1] * right
+        guesses = []
+        for path in (PATHS[0], PATHS[-1]):
+            end = max(int(np.searchsorted(moved, path)), 10)
+            guess = _best_axle(
                 wheels, pose.rows(slice(0, end)), left[: end - 1], right[: end - 1], axle, signs
             )
-        )
-    ]
+            guesses.append(_refined(guess, pose, a, b, moved))
+        found.append(min(guesses, key=lambda guess: guess.error))
     stated = found[0]
     best = min(found, key=lambda guess: guess.error)
     return best if best.error < CLEARLY_BETTER * stated.error else stated
+
+
+def _refined(
+    guess: Alignment, pose: PoseTrack, left: FloatArray, right: FloatArray, moved: FloatArray
+) -> Alignment:
+    """Fit both scales, the axle and the tracked point on growing paths by robust least squares."""
+    size = np.array([guess.scale, guess.scale, guess.axle, 0.02, 0.02])
+    vector, turn, error = np.array([1.0, 1.0, 1.0, 0.0, 0.0]), guess.heading, guess.error
+    for path in PATHS:
+        end = max(int(np.searchsorted(moved, path)), 10)
+        target = (pose.x + 1j * pose.y)[:end]
+
+        def difference(u: FloatArray, end: int = end, target: np.ndarray = target) -> np.ndarray:
+            a_left, a_right, b, px, py = u * size
+            s_left, s_right = a_left * left[: end - 1], a_right * right[: end - 1]
+            x, y, theta = dead_reckon((s_left + s_right) / 2.0, (s_right - s_left) / b, (0.0, 0.0, 0.0))
+            point = x + 1j * y + np.exp(1j * theta) * complex(px, py)
+            return _rotated(point, target)[0]
+
+        def residual(
+            u: FloatArray, difference: Callable[[FloatArray], np.ndarray] = difference
+        ) -> FloatArray:
+            away = difference(u)
+            return np.concatenate([away.real, away.imag])
+
+        low, high = [0.2, 0.2, 0.2, -20.0, -20.0], [5.0, 5.0, 5.0, 20.0, 20.0]
+        fit = least_squares(residual, vector, bounds=(low, high), loss="soft_l1", f_scale=0.02, max_nfev=40)
+        vector, error = fit.x, float(np.sqrt(np.mean(np.abs(difference(fit.x)) ** 2)))
+        if moved[-1] <= path:
+            break
+    a_left, a_right, b, px, py = vector * size
+    x, y, theta = dead_reckon(
+        (a_left * left + a_right * right) / 2.0, (a_right * right - a_left * left) / b, (0.0, 0.0, 0.0)
+    )
+    end = max(int(np.searchsorted(moved, path)), 10)
+    point = (x + 1j * y + np.exp(1j * theta) * complex(px, py))[:end]
+    turn = _rotated(point, (pose.x + 1j * pose.y)[:end])[1]
+    scale = float(a_left + a_right) / 2.0
+    return dataclasses.replace(
+        guess, scale=scale, ratio=float(a_right / a_left), axle=float(b), heading=turn, error=error
+    )
+
+
+def _rotated(point: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, float]:
+    """Lay `point` on `target` by the best rotation and shift; return what is left [m] and the
+    rotation [rad].
+    """
+    a, b = point - point.mean(), target - target.mean()
+    turn = float(np.angle(np.vdot(a, b)))
+    return b - np.exp(1j * turn) * a, turn
 
 
 def _best_axle(
@@ -102,7 +162,7 @@ def _best_axle(
             scale * (left + right) / 2.0, scale * (right - left) / length, (0.0, 0.0, 0.0)
         )
         factor, error = lay_on(x + 1j * y, target)
-        size = abs(factor) if 0.2 < abs(factor) < 5.0 else 1.0
+        size = abs(factor) if 0.5 < abs(factor) < 2.0 else 1.0
         guesses.append(
             Alignment(*signs, scale * size, float(length) * size, float(np.angle(factor)), 0.0, error)
         )
@@ -126,6 +186,4 @@ def open_loop_error(wheels: Wheels, pose: PoseTrack, values: dict[str, float]) -
     x, y, theta = dead_reckon((s_left + s_right) / 2.0, (s_right - s_left) / values["axle"], (0.0, 0.0, 0.0))
     point = x + 1j * y + np.exp(1j * theta) * complex(values["px"], values["py"])
     target = pose.x + 1j * pose.y
-    a, b = point - point.mean(), target - target.mean()
-    turn = np.exp(1j * np.angle(np.vdot(a, b)))
-    return float(np.sqrt(np.mean(np.abs(b - turn * a) ** 2)))
+    return float(np.sqrt(np.mean(np.abs(_rotated(point, target)[0]) ** 2)))

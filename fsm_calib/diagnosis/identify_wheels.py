@@ -31,11 +31,11 @@ class WheelMotion:
     mode = BY_WHEELS
     noise = WHEEL_NOISE
 
-    def __init__(self, wheels: Wheels, scale: float, axle: float) -> None:
+    def __init__(self, wheels: Wheels, scales: tuple[float, float], axle: float) -> None:
         self.wheels = wheels
         self.parameters = {
-            "left": Parameter(scale, scale),
-            "right": Parameter(scale, scale),
+            "left": Parameter(scales[0], scales[0]),
+            "right": Parameter(scales[1], scales[1]),
             "axle": Parameter(axle, axle),
             "clock": Parameter(0.0, 0.05, CLOCK_SPREAD),
         }
@@ -78,7 +78,7 @@ def fit_wheels(recording: Recording) -> tuple[PoseFit, Wheels, tuple[str, ...]]:
 def _fit(recording: Recording, wheels: Wheels) -> PoseFit:
     pose = thinned(recording.pose)
     start = align(wheels, pose, recording.robot.axle_length)
-    return fit_pose(pose, WheelMotion(start.applied(wheels), start.scale, start.axle), start)
+    return fit_pose(pose, WheelMotion(start.applied(wheels), start.scales, start.axle), start)
 
 
 def _readings(recording: Recording) -> list[tuple[Wheels, str]]:

@@ -21,6 +21,7 @@ from fsm_calib.types import FloatArray
 
 LONGEST_LINE = 65_536  # bytes; a row of numbers has some hundred, so a longer one is no table
 LARGEST_TABLE = 1 << 30  # bytes of text after unpacking; 10 h at 1 kHz stays below it
+LARGEST_NUMBER = 1e100  # far beyond any unit; larger ones only overflow later
 CHUNK = 1 << 20  # bytes read at a time
 
 
@@ -175,7 +176,7 @@ def _numbers(
         )
     except ValueError as error:
         raise _culprit(path, rows, wanted, names, width, separator) from error
-    if len(table) != len(rows) or not np.isfinite(table).all():
+    if len(table) != len(rows) or not (np.abs(table) < LARGEST_NUMBER).all():
         raise _culprit(path, rows, wanted, names, width, separator)
     return {name: table[:, i] for i, name in enumerate(names)}
 
@@ -205,7 +206,7 @@ def _culprit(
 
 def _is_finite_number(cell: str) -> bool:
     try:
-        return bool(np.isfinite(float(cell))) and "_" not in cell
+        return abs(float(cell)) < LARGEST_NUMBER and "_" not in cell
     except ValueError:
         return False
 

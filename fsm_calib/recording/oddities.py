@@ -76,6 +76,8 @@ def _moves(pose: PoseTrack) -> tuple[FloatArray, FloatArray]:
     end = np.searchsorted(pose.time, pose.time + 0.5)
     start = np.flatnonzero(end < len(pose))
     end = end[start]
+    if not len(start):
+        return np.zeros(0), np.zeros(0)
     dx, dy = pose.x[end] - pose.x[start], pose.y[end] - pose.y[start]
     way = np.hypot(dx, dy)
     heading = np.unwrap(pose.theta)
