@@ -54,8 +54,26 @@ START = (0.0, 0.0, 0.3)
 
 def manoeuvre() -> Drive:
     """Straights at several speeds both ways, spins, arcs and rests, around (0.1, 0.1)."""
-    levels = [(0.1, 0.1), (0.3, 0.3), (0, 0), (-0.3, -0.3), (0.6, 0.55), (-0.2, 0.2), (0, 0), (0.35, -0.35), (0.5, 0.2),
-              (0, 0), (-0.5, -0.45), (0.2, 0.5), (0.7, 0.7), (0, 0.3), (0, 0), (-0.6, -0.6), (0.4, 0.1), (0, 0)]  # fmt: skip
+    levels = [
+        (0.1, 0.1),
+        (0.3, 0.3),
+        (0, 0),
+        (-0.3, -0.3),
+        (0.6, 0.55),
+        (-0.2, 0.2),
+        (0, 0),
+        (0.35, -0.35),
+        (0.5, 0.2),
+        (0, 0),
+        (-0.5, -0.45),
+        (0.2, 0.5),
+        (0.7, 0.7),
+        (0, 0.3),
+        (0, 0),
+        (-0.6, -0.6),
+        (0.4, 0.1),
+        (0, 0),
+    ]
     return Drive(np.arange(len(levels)) * 0.7 + 0.3, [a for a, _ in levels], [b for _, b in levels])
 
 
@@ -172,9 +190,12 @@ def test_pymunk_and_rollout_agree(name):
 def test_longer_steps_change_little(name):
     """The fit's step is right to well below a pose's noise, over half-second increments."""
     vector = typical_parameters(effect(name))
-    coarse, fine = poses_of(vector), predict(vector, manoeuvre(), SAMPLES, START, dt=0.0005).poses
+    path = predict(vector, manoeuvre(), SAMPLES, START, dt=0.0005).states[:, :3]
+    track = np.column_stack([SAMPLES, path])
+    coarse = predict(vector, manoeuvre(), SAMPLES, START, track).poses
+    fine = predict(vector, manoeuvre(), SAMPLES, START, track, dt=0.0005).poses
     increments = (coarse[10:] - coarse[:-10]) - (fine[10:] - fine[:-10])
-    assert np.all(np.sqrt(np.mean(increments**2, axis=0)) < [1e-3, 1e-3, 4e-3])
+    assert np.all(np.sqrt(np.mean(increments**2, axis=0)) < [1.5e-3, 1.5e-3, 5e-3])
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -88,8 +88,10 @@ def _stages() -> str:
     return (
         f"{kept}def begin(P, on, W):\n    begin_base(P, W)\n"
         f"{_calls('begin', '{name}(P, {o}, W)')}    share_load(P, W)\n\n\n"
-        f"{kept}def shape(P, on, u, side):\n{_calls('shape', 'u = {name}(P, {o}, u, side)')}    return u\n\n\n"
-        f"{kept}def delay(P, on):\n    late = 0.0\n{_calls('delay', 'late += {name}(P, {o})')}    return late\n\n\n"
+        f"{kept}def shape(P, on, u, side):\n"
+        f"{_calls('shape', 'u = {name}(P, {o}, u, side)')}    return u\n\n\n"
+        f"{kept}def delay(P, on):\n    late = 0.0\n"
+        f"{_calls('delay', 'late += {name}(P, {o})')}    return late\n\n\n"
         f"{plain}def step(P, on, S, W):\n    begin_step(P, W)\n{_calls('step', '{name}(P, {o}, S, {m}, W)')}"
         "    add_tyres(S, W)\n    finish_step(S, W)\n    place_robot(S, W)\n\n\n"
     )

@@ -20,7 +20,7 @@ KINEMATICS = (
     "Duckietown kinematics node: motor constant 27 rad/s, radius 0.0318 m; DB18 model 0.6 m/s at full command"
 )
 SPREAD = "gains of 32 real robots: right over left 0.78 to 1.19 (Duckietown calibration logs)"
-MODEL = "duckietown-world pwm_dynamics.py: 0.2 and 0.25 s in the DB18 model; a 1.1 kg body on 0.2 N m motors: 0.05, 0.13 s"
+MODEL = "duckietown-world pwm_dynamics.py: 0.2 and 0.25 s in the DB18 model; 1.1 kg, 0.2 N m: 0.08, 0.15 s"
 ROTOR = "a rotor of 1.2e-7 kg m2 behind 48:1 gears; a third of a Duckiebot's inertia, assumed"
 ASSUMED = "assumed; no published measurement was found"
 
@@ -32,8 +32,8 @@ BASE: tuple[Parameter, ...] = (
         "gain_right", "K_r", "m/s", 0.636, 0.05, 3.0, 0.60, f"{KINEMATICS}; {SPREAD}", mirror="swap:gain_left"
     ),
     Parameter("axle_length", "b", "m", 0.100, 0.03, 1.0, 0.102, "Duckietown kinematics node: baseline 0.1 m"),
-    Parameter("tau_forward", "tau_v", "s", 0.055, 0.005, 1.5, 0.06, MODEL),
-    Parameter("tau_turn", "tau_w", "s", 0.125, 0.005, 1.5, 0.14, MODEL),
+    Parameter("tau_forward", "tau_v", "s", 0.08, 0.005, 1.5, 0.09, MODEL),
+    Parameter("tau_turn", "tau_w", "s", 0.15, 0.005, 1.5, 0.17, MODEL),
     Parameter(
         "wheel_radius_left",
         "R_l",
@@ -131,7 +131,7 @@ class ParameterTable:
         for name, entry, value in zip(self.names, self.entries, vector, strict=True):
             if not entry.low <= value <= entry.high and value != entry.null:
                 raise InputError(
-                    f"{name} is {value:g} {entry.unit}, expected {entry.low:g} to {entry.high:g} {entry.unit}",
+                    f"{name} is {value:g} {entry.unit}, not in {entry.low:g} to {entry.high:g} {entry.unit}",
                     where=where,
                     cure="Give a value within these physical bounds.",
                 )

@@ -21,8 +21,10 @@ from fsm_calib.world2d.kernel import kernel, memory_places
 from fsm_calib.world2d.loop import OUTPUTS
 from fsm_calib.world2d.parameters import parameter_table
 
-COLUMNS = ("x", "y", "theta", "v", "v_lateral", "omega", "wheel_angle_left", "wheel_angle_right", "rim_speed_left",
-           "rim_speed_right", "time", "is_moving")  # fmt: skip
+COLUMNS = (
+    *("x", "y", "theta", "v", "v_lateral", "omega", "wheel_angle_left", "wheel_angle_right"),
+    *("rim_speed_left", "rim_speed_right", "time", "is_moving"),
+)
 """Columns of a result [m, m, rad, m/s, m/s, rad/s, rad, rad, m/s, m/s, s, 0 or 1]; theta is not wrapped."""
 FIT_STEP = 0.005
 """Longest step of a roll-out [s]: `benchmarks/rollout.py` prints its error, a hundredth of a tag pose's
@@ -50,7 +52,7 @@ class Drive:
             object.__setattr__(self, name, read_only(getattr(self, name)).ravel())
         if not self.time.size or not self.time.size == self.left.size == self.right.size:
             raise InputError(
-                f"a drive has {self.time.size} times, {self.left.size} left and {self.right.size} right commands",
+                f"{self.time.size} times, {self.left.size} left and {self.right.size} right commands",
                 cure="Give one left and one right command for each time, at least one.",
             )
         if np.any(np.diff(self.time) <= 0.0):
@@ -143,7 +145,7 @@ def rolled_angles(track: FloatArray, parameters: FloatArray) -> FloatArray:
     )
     dx, dy, turn = np.diff(track[:, 1]), np.diff(track[:, 2]), np.diff(track[:, 3])
     heading = 0.5 * (track[1:, 3] + track[:-1, 3])
-    ahead = dx * np.cos(heading) + dy * np.sin(heading)
+    ahead = (dx * np.cos(heading) + dy * np.sin(heading)) / np.sinc(turn / (2.0 * np.pi))
     steps = np.column_stack([(ahead - 0.5 * axle * turn) / left, (ahead + 0.5 * axle * turn) / right])
     return np.vstack([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 
@@ -190,6 +192,8 @@ def simulate_many(
     """
     matrix = np.ascontiguousarray(parameters, dtype=float)
     samples = np.ascontiguousarray(t_grid, dtype=float)
+    if samples.size == 0 or not np.all(np.diff(samples) > 0.0) or not np.all(np.isfinite(samples)):
+        raise InputError("the sample times do not increase", cure="Sort them and drop repeats.")
     if not dt > 0.0:
         raise InputError(f"the step is {dt} s, expected a positive number")
     on = active_flags(matrix)

@@ -8,7 +8,7 @@ then right, so that `W[TARGET + side]` with side 0 (left) or 1 (right) works. Fr
 
 from __future__ import annotations
 
-# ---- S: the state of the robot -------------------------------------------------------------------------------------
+# ---- S: the state of the robot ----
 X, Y, THETA = 0, 1, 2
 """Pose of `base` (axle centre) in `world` [m, m, rad]; theta is not wrapped."""
 V, L, OMEGA = 3, 4, 5
@@ -24,7 +24,7 @@ HEADING_COS, HEADING_SIN = 11, 12
 MEMORY = 13
 """First slot of the effects' memories."""
 
-# ---- W: the workbench of one step ----------------------------------------------------------------------------------
+# ---- W: the workbench of one step ----
 STEP = 0
 """Length of the step [s]."""
 COMMAND = 1
@@ -82,7 +82,7 @@ BASE_DRIVE, ROTATING = 62, 63
 """The base's DRIVE [N s/m], and the rotating inertia of a wheel and its motor as a mass at the rim [kg]."""
 BENCH_SIZE = 64
 
-# ---- constants of the world ----------------------------------------------------------------------------------------
+# ---- constants of the world ----
 GRAVITY = 9.80665
 """Standard gravity [m/s2] (CGPM 1901)."""
 CASTER_ARM = 0.083

@@ -49,7 +49,7 @@ EFFECT = Effect(
             mirror="negate",
         ),
         Parameter(
-            "start", "t0", "s", 0.0, -1.0, 1e5, 7.0, "any", strength=False, per_recording=True, step=5e-3
+            "start", "t0", "s", 0.0, -1.0, 1e5, 7.15, "any", strength=False, per_recording=True, step=5e-3
         ),
         Parameter(
             "duration",

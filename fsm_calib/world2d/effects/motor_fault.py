@@ -37,7 +37,7 @@ EFFECT = Effect(
             "loss_right", "f_r", "1", 0.0, -0.5, 1.0, 0.0, "any", mirror="swap:loss_left", per_recording=True
         ),
         Parameter(
-            "start", "t0", "s", 0.0, 0.0, 1e5, 8.0, "any", strength=False, per_recording=True, step=0.01
+            "start", "t0", "s", 0.0, 0.0, 1e5, 8.2, "any", strength=False, per_recording=True, step=0.01
         ),
         Parameter(
             "duration", "dt", "s", 5.0, 0.1, 1e5, 6.0, "any", strength=False, per_recording=True, step=0.01
@@ -49,7 +49,7 @@ EFFECT = Effect(
     separates="begins and ends at once; warming up and sagging are gradual",
     rivals=("motor_warmup", "battery_sag", "external_push"),
     manoeuvre="repeat the drive: a fault does not come back at the same time",
-    sentence="From {start} for {duration} a motor loses {loss_left} (left) and {loss_right} (right) of its strength.",
+    sentence="From {start} for {duration} the motors lose {loss_left} (left), {loss_right} (right).",
     source="Roumeliotis, Sukhatme & Bekey, ICRA 1998",
     scan="time",
     variants=(

@@ -33,15 +33,41 @@ EFFECT = Effect(
     summary="a wheel sits off its centre",
     equation="R_i(phi) = R_i (1 + e_i cos(phi_i + phase_i))",
     parameters=(
-        Parameter("left", "e_l", "1", 0.0, 0.0, 0.3, 0.04, "0.5 to 2 % new, more when bent", mirror="swap:right", starts=(0.03,)),
-        Parameter("right", "e_r", "1", 0.0, 0.0, 0.3, 0.0, "0.5 to 2 % new, more when bent", mirror="swap:left", starts=(0.03,)),
         Parameter(
-            "phase_left", "phi_l", "rad", 0.0, -20.0, 20.0, 1.0, "any", strength=False, per_recording=True,
-            mirror="swap:phase_right", starts=(0.0, 2.1, 4.2), step=1e-3,
+            "left", "e_l", "1", 0.0, 0.0, 0.3, 0.04, "0.5 to 2 % new", mirror="swap:right", starts=(0.03,)
         ),
         Parameter(
-            "phase_right", "phi_r", "rad", 0.0, -20.0, 20.0, 0.0, "any", strength=False, per_recording=True,
-            mirror="swap:phase_left", starts=(0.0, 2.1, 4.2), step=1e-3,
+            "right", "e_r", "1", 0.0, 0.0, 0.3, 0.0, "0.5 to 2 % new", mirror="swap:left", starts=(0.03,)
+        ),
+        Parameter(
+            "phase_left",
+            "phi_l",
+            "rad",
+            0.0,
+            -20.0,
+            20.0,
+            1.0,
+            "any",
+            strength=False,
+            per_recording=True,
+            mirror="swap:phase_right",
+            starts=(0.0, 2.1, 4.2),
+            step=1e-3,
+        ),
+        Parameter(
+            "phase_right",
+            "phi_r",
+            "rad",
+            0.0,
+            -20.0,
+            20.0,
+            0.0,
+            "any",
+            strength=False,
+            per_recording=True,
+            mirror="swap:phase_left",
+            starts=(0.0, 2.1, 4.2),
+            step=1e-3,
         ),
     ),
     hooks={"step": wobble},
@@ -52,6 +78,10 @@ EFFECT = Effect(
     manoeuvre="a long straight at steady speed",
     sentence="A wheel sits off its centre by {left} (left) and {right} (right) of its radius.",
     source="Borenstein & Feng 1996",
-    variants=(("left", "phase_left"), ("right", "phase_right"), ("left", "right", "phase_left", "phase_right")),
+    variants=(
+        ("left", "phase_left"),
+        ("right", "phase_right"),
+        ("left", "right", "phase_left", "phase_right"),
+    ),
     order=58,
-)  # fmt: skip
+)
