@@ -92,14 +92,16 @@ def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str
     lines = [
         f"boards found        {len(photos.views)} of {given}, {result.views_used} used",
         f"lens model          {result.camera.model}",
-        f"rms                 {result.rms_px:.3f} px   mean {result.mean_px:.3f}, the paper's {result.paper_px:.4f}",
+        f"rms                 {result.rms_px:.3f} px",
+        f"mean, the paper's   {result.mean_px:.3f} px, {result.paper_px:.4f} px",
         f"cross-validated     {result.cross_validated_px:.3f} px   on views left out",
-        f"predicted error     {result.predicted_px:.2f} px   over the image, at most {result.predicted_map.max:.2f}",
+        f"predicted error     {result.predicted_px:.2f} px   at most {result.predicted_map.max:.2f}",
         f"coverage            X {bars.x:.0%}  Y {bars.y:.0%}  size {bars.size:.0%}  skew {bars.skew:.0%}",
     ]
     lines += [f"  {name:<4}{value:>12} +- {deviation}" for name, value, deviation in parameter_rows(result)]
     for trial in result.models:
-        errors = f"{trial.rms_px:.3f} rms, {trial.cross_validated_px:.3f} left out, {trial.predicted_px:.2f} predicted"
+        errors = f"{trial.rms_px:.3f} rms, {trial.cross_validated_px:.3f} left out,"
+        errors += f" {trial.predicted_px:.2f} predicted"
         lines.append(f"{trial.coefficients} coefficients      {errors}: {trial.verdict}")
     dropped = (*photos.dropped, *result.views_dropped)
     lines += [f"left out            {view.source}: {view.reason}" for view in dropped]

@@ -93,7 +93,7 @@ def find_in_photos(
             widths.append(finding.edge_width_px)
     if not views:
         raise DataError(
-            f"no photo of {len(paths)} shows a whole {board.columns}x{board.rows} board ({dropped[0].reason})",
+            f"none of {len(paths)} photos shows a {board.columns}x{board.rows} board ({dropped[0].reason})",
             cure="Count the inner corners: one less than the squares, in each direction.",
         )
     return PhotoSet(tuple(views), tuple(dropped), sizes[0], tuple(widths))
