@@ -82,10 +82,6 @@ def test_committed_diagrams_are_current() -> None:
 
 def test_stale_and_missing_files_are_found(tmp_path: Path) -> None:
     write_diagrams(tmp_path)
-    for name in diagram_texts():
-        svg = (tmp_path / name).with_suffix(".svg")
-        if name.endswith(".dot") and not svg.exists():
-            svg.write_text((DIAGRAMS / svg.name).read_text(encoding="utf-8"), encoding="utf-8")
     assert stale_diagrams(tmp_path) == []
     (tmp_path / "scan.mmd").write_text("stateDiagram-v2\n", encoding="utf-8")
     (tmp_path / "lane.svg").write_text("<svg/>", encoding="utf-8")
@@ -105,13 +101,14 @@ def test_there_is_a_picture_for_every_machine_the_supervisor_and_the_whole() -> 
     assert set(pictures()) == {chart.name for chart in MACHINES} | {"supervisor", "whole"}
 
 
-def test_without_graphviz_the_texts_are_written_and_current_pictures_kept(
+def test_without_graphviz_the_texts_are_written_and_the_project_s_pictures_taken(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     assert draw_svg("digraph {}") is None
     written = write_diagrams(tmp_path / "out")
-    assert {path.suffix for path in written} == {".mmd", ".dot", ".md"}
+    assert {path.suffix for path in written} == {".mmd", ".dot", ".md", ".svg"}
+    assert stale_diagrams(tmp_path / "out") == []
 
 
 def test_graphviz_is_given_the_text_and_its_failure_is_not_hidden(

@@ -1,8 +1,8 @@
 """The files in `diagrams/`: Mermaid and DOT text and a picture of every machine, written from the tables.
 
 `--check` compares the texts. A picture carries the digest of the DOT text it was drawn from, so that a stale
-picture is found without drawing it again. Pictures are drawn by Graphviz (`dot`) where it is installed;
-elsewhere the texts are written and the pictures that are still current are kept.
+picture is found without drawing it again. Pictures are drawn by Graphviz (`dot`) where it is installed; elsewhere
+the project's own pictures are taken as long as they are current.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from fsm_calib.machines.supervisor import MACHINES, PHASES, SUPERVISOR
 DIGEST = "<!-- drawn from the DOT text with sha256 {} -->"
 
 
+COMMITTED = Path(__file__).parents[2] / "diagrams"
+"""The project's own diagrams, where the package runs from its source tree."""
 SHARED = "squaring"
 """The part that several machines share: in pictures it is open once, as `orientation`."""
 
@@ -46,7 +48,7 @@ def write_diagrams(directory: Path | str) -> list[Path]:
     for name, text in diagram_texts().items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
         written.append(folder / name)
-        if name.endswith(".dot") and (svg := draw_svg(text)):
+        if name.endswith(".dot") and (svg := draw_svg(text) or _committed_svg(name, text)):
             written.append((folder / name).with_suffix(".svg"))
             written[-1].write_text(svg, encoding="utf-8", newline="\n")
     return written
@@ -76,6 +78,13 @@ def draw_svg(text: str) -> str | None:
         [program, "-Tsvg"], input=text, capture_output=True, text=True, check=True, encoding="utf-8"
     )
     return done.stdout.rstrip() + "\n" + _digest(text) + "\n"
+
+
+def _committed_svg(name: str, text: str) -> str | None:
+    """Return the project's own picture of the DOT text, or None where it is not at hand or stale."""
+    path = (COMMITTED / name).with_suffix(".svg")
+    svg = path.read_text(encoding="utf-8") if path.is_file() else ""
+    return svg if _digest(text) in svg else None
 
 
 def _digest(text: str) -> str:
