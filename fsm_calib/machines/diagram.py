@@ -1,8 +1,8 @@
 """The files in `diagrams/`: Mermaid and DOT text and a picture of every machine, written from the tables.
 
 `--check` compares the texts. A picture carries the digest of the DOT text it was drawn from, so that a stale
-picture is found without drawing it again. Pictures are drawn by Graphviz (`dot`) where it is installed; elsewhere
-the project's own pictures are taken as long as they are current.
+picture is found without drawing it again. Pictures are drawn by Graphviz (`dot`) where it is installed;
+elsewhere the project's own pictures are taken as long as they are current.
 """
 
 from __future__ import annotations
