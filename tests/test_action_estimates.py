@@ -184,7 +184,7 @@ def test_a_quiet_drive_leaves_the_iterate_as_published_and_is_combined_otherwise
     bench.notebook.runs.append(run_from_readings(bench, 0.69))
     outcome = update_ratio(bench)
     assert outcome.evidence["quiet"] is not combine  # one drive alone does not know k well enough
-    assert bench.notebook.wheel_ratio == pytest.approx(ratio, abs=1e-6)
+    assert bench.notebook.wheel_ratio == pytest.approx(ratio, abs=1e-4)
 
 
 def test_a_short_drive_is_never_quiet():

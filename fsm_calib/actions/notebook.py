@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -77,6 +78,9 @@ class Notebook:
         (width, height) of the frames [px].
     camera, figures, mount
         The camera calibration, its figures, and how the camera sits over the floor.
+    mount_known : str
+        What the boards told of the mount: nothing, `tilt` or `all` (the height, too); the markers tell the
+        rest.
     tilt_readings : list
         (pitch, roll, height) [rad, rad, m] as read from floor markers.
     push_gain : dict
@@ -132,6 +136,7 @@ class Notebook:
     camera: CameraModel | None = None
     figures: CameraFigures | None = None
     mount: CameraMount = field(default_factory=CameraMount)
+    mount_known: str = ""
     tilt_readings: list[tuple[float, float, float]] = field(default_factory=list)
     push_gain: dict[str, float] = field(default_factory=dict)
     push_floor: float = 0.0
@@ -168,7 +173,7 @@ class Notebook:
         for name in ("figures", "mount", "reading", "last_step"):
             state[name] = asdict(state[name]) if state[name] is not None else None
         for name in ("runs", "lane_runs", "readings", "lane_readings"):
-            state[name] = [asdict(run) for run in state[name]]
+            state[name] = [_record(item) for item in state[name]]
         state["marker_map"] = {str(number): [p.x, p.y, p.theta] for number, p in self.marker_map.items()}
         state["views"] = [
             {"corners": _pack(view.corners_image), "board": view.board, "source": view.source}
@@ -197,6 +202,12 @@ class Notebook:
         values["reading"] = MarkerReading.from_dict(values["reading"]) if values["reading"] else None
         values["panorama"] = _unpack(values["panorama"])
         return cls(**values)
+
+
+@lru_cache(maxsize=4096)
+def _record(item: WheelRun | MarkerReading) -> dict[str, Any]:
+    """Return a frozen record as plain values; kept, because a checkpoint after every event asks again."""
+    return asdict(item)
 
 
 def _camera_state(camera: CameraModel | None) -> dict[str, Any] | None:

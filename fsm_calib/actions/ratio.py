@@ -105,13 +105,23 @@ def combined_ratio(bench: Bench) -> Combined:
     scatter = settings.run_scatter**2
     for _ in range(_SCATTER_ROUNDS):
         weight = 1.0 / (sd**2 + scatter / distance)
-        values = ratio + residual / _loop_gain(ratio, residual, weight)
+        values = corrected(ratio, residual / _loop_gain(ratio, residual, weight))
         mean = float(np.average(values, weights=weight))
         excess = float(np.sum(distance * ((values - mean) ** 2 - sd**2)))
         scatter = (_SCATTER_PRIOR * settings.run_scatter**2 + max(excess, 0.0)) / (
             _SCATTER_PRIOR + len(values) - 1
         )
     return Combined(mean, float(np.sqrt(1.0 / weight.sum())))
+
+
+def corrected(ratio: FloatArray, residual: FloatArray) -> FloatArray:
+    """Return the k that drives straight, from a drive with `ratio` and its residual k_i - 1 [1].
+
+    With e = 1 - k_i = (v_r - v_l) / v the wheels' speeds are in the ratio v_r / v_l = (2 + e) / (2 - e),
+    which k must undo: k (2 - e) / (2 + e). The paper's k + (k_i - 1) is its first order at k = 1; it halves
+    the step and repeats, so it may be off by the factor k, a single correction may not.
+    """
+    return np.asarray(ratio * (2.0 + residual) / (2.0 - residual))
 
 
 def _loop_gain(ratio: FloatArray, residual: FloatArray, weight: FloatArray) -> float:

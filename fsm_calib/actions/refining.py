@@ -11,7 +11,7 @@ from fsm_calib.actions.leaving import speed_of
 from fsm_calib.actions.markers import MARKER_MISSED, read_markers
 from fsm_calib.actions.moving import drive
 from fsm_calib.actions.notebook import WheelRun
-from fsm_calib.actions.ratio import adjusted
+from fsm_calib.actions.ratio import adjusted, corrected
 from fsm_calib.actions.wheel_runs import driven
 from fsm_calib.outcome import Outcome
 
@@ -95,4 +95,6 @@ def judge(bench: Bench) -> Judgement:
         -turned * bench.settings.ratio.axle_length / np.array([run.distance for run in notebook.lane_runs])
     )
     error = float(np.sqrt(pick @ headings.covariance @ pick)) * scale
-    return Judgement(-float(turned.sum()) * scale, error, float(np.std(single)), count)
+    ratio = notebook.lane_runs[-1].wheel_ratio
+    correction = float(corrected(np.array(ratio), np.array(-turned.sum() * scale))) - ratio
+    return Judgement(correction, ratio * error, float(np.std(single)), count)

@@ -123,13 +123,13 @@ class MarkerSettings:
     farthest : float
         Markers farther than this from the camera are not used for measurements [m]; from 0.45 m on a marker
         is 10 px high.
-    clear_distance : float
-        Up to here the heading of one marker is good to `heading_sd` [m]; beyond, its error grows with the
-        square of the distance.
-    heading_sd : float
-        Standard deviation of one marker's heading near the camera [rad]: 0.1 deg.
+    reference_distance, heading_sd : float
+        At this distance from the camera [m] the heading of one marker has this standard deviation [rad]; it
+        rises with the cube of the distance. Measured on rendered markers: 0.15 deg at 0.25 m.
+    least_heading_sd : float
+        No heading is better than this [rad].
     placement_sd : float
-        Standard deviation of a marker's orientation on the floor [rad]: glued by hand, 0.5 deg.
+        Standard deviation of a marker's orientation on the floor [rad]: glued by hand, 0.4 deg.
     tilt_readings : int
         Readings of camera tilt and height from markers that are averaged.
     heading : {"floor", "camera"}
@@ -141,11 +141,12 @@ class MarkerSettings:
     """
 
     size: float = 0.065
-    frames: int = 3
+    frames: int = 2
     farthest: float = 0.50
-    clear_distance: float = 0.25
-    heading_sd: float = math.radians(0.1)
-    placement_sd: float = math.radians(0.5)
+    reference_distance: float = 0.25
+    heading_sd: float = math.radians(0.15)
+    least_heading_sd: float = math.radians(0.04)
+    placement_sd: float = math.radians(0.4)
     tilt_readings: int = 5
     heading: HeadingSource = "floor"
     nearest: NearestRule = "distance"
@@ -187,8 +188,8 @@ class RatioSettings:
     share: float = 0.5
     combine: bool = True
     combine_within: float = 0.04
-    largest_error: float = 0.0012
-    run_scatter: float = 0.002
+    largest_error: float = 0.001
+    run_scatter: float = 0.0023
     published_radius: float = 0.066
     published_duration: float = 3.25
 

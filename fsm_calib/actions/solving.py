@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from dataclasses import replace
 
 from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.moving import drive
@@ -21,9 +22,11 @@ def solve_camera(bench: Bench) -> Outcome:
         result = calibrate_scan(notebook.views, bench.settings.board, notebook.image_size).calibration
     except DataError as error:
         return _refused(error.problem, error.cure)
+    result = scan.calibration
     if result.refused:
         return _refused(result.reason, "Lean a board or lay one on the floor, and check the lens.")
     _keep(bench, result)
+    _keep_mount(bench, scan)
     evidence = {"predicted_px": result.predicted_px, "rms_px": result.rms_px, "views": result.views_used}
     asked = bench.settings.camera.target_px
     sentence = (
@@ -46,8 +49,6 @@ def move_to_standpoint(bench: Bench) -> Outcome:
 def _keep(bench: Bench, result: CameraCalibration) -> None:
     notebook = bench.notebook
     notebook.camera = result.camera
-    if result.mount is not None:
-        notebook.mount = result.mount
     validated = result.cross_validated_px
     count = Counter(notebook.views[index].board for index in result.used)
     notebook.figures = CameraFigures(
@@ -60,6 +61,18 @@ def _keep(bench: Bench, result: CameraCalibration) -> None:
         views_per_board={str(board): count[board] for board in sorted(count)},
         reason=result.reason,
     )
+
+
+def _keep_mount(bench: Bench, scan: StaticResult) -> None:
+    """Take pitch and roll from the boards that stood still, and the height when one of them lay on the
+    floor.
+    """
+    if not scan.is_static:
+        return
+    notebook, flat = bench.notebook, math.isfinite(scan.height)
+    height = scan.height if flat else notebook.mount.height
+    notebook.mount = replace(notebook.mount, pitch=scan.pitch, roll=scan.roll, height=height)
+    notebook.mount_known = "all" if flat else "tilt"
 
 
 def _refused(reason: str, cure: str) -> Outcome:
