@@ -39,10 +39,23 @@ def plain(value: Any) -> Any:
 
 def encode(record: Mapping[str, Any]) -> bytes:
     """Return `record` as one line of JSON with sorted keys; floats keep every digit."""
-    text = json.dumps(
-        plain(record), sort_keys=True, allow_nan=False, ensure_ascii=False, separators=(",", ":")
-    )
+    try:
+        text = _ENCODER.encode(record)
+    except ValueError:  # a nan or an infinity, which JSON has not
+        text = _ENCODER.encode(plain(record))
     return text.encode() + b"\n"
+
+
+def _convert(value: Any) -> Any:
+    """Return what the encoder does not know as something that it knows."""
+    if isinstance(value, Mapping) or hasattr(value, "tolist"):
+        return plain(value)
+    raise TypeError(f"{type(value).__name__} cannot be journalled")
+
+
+_ENCODER = json.JSONEncoder(
+    sort_keys=True, allow_nan=False, ensure_ascii=False, separators=(",", ":"), default=_convert
+)
 
 
 class Journal:
