@@ -24,7 +24,6 @@ from fsm_calib.types import (
     FloatArray,
     TagDetection,
     TagObservation,
-    wrap_angle,
 )
 
 
@@ -176,9 +175,10 @@ def _observation(
 
 
 def _camera_heading(rotation: FloatArray) -> float:
-    """Return the paper's reading [rad]: yaw about the optical axis, zero for a tag whose x axis points away.
+    """Return the paper's reading [rad]: the tag's turn about the optical axis, as Euler angles give it.
 
-    The image's up direction (-y of the camera) is where a tag straight ahead has its x axis;
-    counter-clockwise on the floor is counter-clockwise in the image.
+    It is the angle in the image of the tag's right side (-y of the tag, to the right for a robot that stands along
+    the tags), counter-clockwise: atan2(sin(pitch) sin(heading), cos(heading)) for a tag on the floor.
     """
-    return wrap_angle(math.atan2(-rotation[0, 0], -rotation[1, 0]))
+    right = -rotation[:, 1]
+    return math.atan2(-right[1], right[0])

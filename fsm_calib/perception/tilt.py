@@ -15,10 +15,12 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from fsm_calib.errors import DataError
-from fsm_calib.perception.ground import tag_corners, tag_poses
+from fsm_calib.perception.ground import TagPose, tag_corners, tag_poses
 from fsm_calib.perception.lens import intrinsics_vector, project
 from fsm_calib.perception.rotations import BASE_FROM_OPTICAL, mount_from_pose, tilt_rotation
 from fsm_calib.types import CameraModel, FloatArray, TagDetection
+
+_FARTHEST = 0.30  # m; corners of farther tags (under 25 px) pull the pitch by half a degree
 
 
 class FloorTilt(NamedTuple):
@@ -41,10 +43,9 @@ def estimate_tilt(
     """
     if not detections:
         raise DataError("no floor tag is in the image", cure="Show the camera at least two floor tags.")
-    start = _start(detections, camera, tag_size)
-    fit = least_squares(
-        _residuals, start, args=(detections, intrinsics_vector(camera), tag_size), loss="soft_l1", f_scale=1.0
-    )
+    near, poses = _near(detections, camera, tag_size)
+    arguments = (near, intrinsics_vector(camera), tag_size)
+    fit = least_squares(_residuals, _start(poses), args=arguments, loss="soft_l1", f_scale=1.0)
     pitch, roll, height = (float(value) for value in fit.x[:3])
     if height <= 0.0:
         raise DataError(
@@ -53,9 +54,19 @@ def estimate_tilt(
     return FloorTilt(pitch, roll, height)
 
 
-def _start(detections: Sequence[TagDetection], camera: CameraModel, tag_size: float) -> FloatArray:
-    """Return the start: tilt and height from the nearest tag, places of all tags in that frame."""
+def _near(
+    detections: Sequence[TagDetection], camera: CameraModel, tag_size: float
+) -> tuple[list[TagDetection], list[TagPose]]:
+    """Return the tags near enough for sharp corners, the nearest one at least, and their poses."""
     poses = [tag_poses(detection, camera, tag_size)[0] for detection in detections]
+    distances = [float(np.linalg.norm(pose.centre)) for pose in poses]
+    limit = max(_FARTHEST, min(distances))
+    kept = [index for index, distance in enumerate(distances) if distance <= limit]
+    return [detections[index] for index in kept], [poses[index] for index in kept]
+
+
+def _start(poses: Sequence[TagPose]) -> FloatArray:
+    """Return the start: tilt and height from the nearest tag, places of all tags in that frame."""
     nearest = min(poses, key=lambda pose: float(pose.centre[2]))
     upward = nearest.rotation[:, 2]
     forward = np.array([0.0, 0.0, 1.0]) - upward[2] * upward
