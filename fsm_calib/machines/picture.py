@@ -44,7 +44,8 @@ class Box:
     """A state in a diagram: `path` names it, `rows` stay or end in it, `inside` are the boxes of a composite.
 
     kind : "leaf" (has an activity), "composite", "closed" (a composite seen from outside), "end" (a good
-    end), "failure", "every" (the rows of a composite), "outside" (a state of the chart around this one).
+    end), "failure", "every" (the rows of a composite), "outside" (a state of the chart around this one, or
+    the abort).
     """
 
     path: str
@@ -129,6 +130,8 @@ def _failures(path: str, state: State) -> Box:
 def _kind(state: State, shut: bool) -> str:
     if state.inside:
         return "closed" if shut else "composite"
+    if state.name == ABORTED:
+        return "outside"
     return "leaf" if state.do else "end"
 
 
