@@ -62,7 +62,11 @@ def project(residual: Residual, columns: Sequence[FloatArray]) -> FloatArray:
 
 def test_group(residual: Residual, group: Group) -> LeftOver:
     """Return how surprising the residual's dependence on a group is."""
-    x = project(residual, group.columns)
+    return test_columns(residual, group, project(residual, group.columns))
+
+
+def test_columns(residual: Residual, group: Group, x: FloatArray) -> LeftOver:
+    """Test a group whose whitened, projected columns `x` (N, m) are at hand."""
     scores = x.T @ residual.psi
     gram = x.T @ x
     mean, variance = float(np.trace(gram)), 2.0 * float(np.sum(gram * gram))

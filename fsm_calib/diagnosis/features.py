@@ -17,9 +17,9 @@ from fsm_calib.diagnosis.simulator import GRID_STEP, Simulator
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.rollout import simulate
 
-PLACE_PITCH = 0.16  # m between the centres of place features: about a robot's length
+PLACE_PITCH = 0.18  # m between the centres of place features: about a robot's length
 TIME_PITCH = 7.5  # s, slow drifts
-FAST_PITCH = 1.0  # s, gusts and periodic forces
+FAST_PITCH = 1.5  # s, gusts and periodic forces
 AGES = (0.06, 0.12, 0.25, 0.5, 1.0)  # s since a command changed: up to three time constants and beyond
 TRAVELS = (0.01, 0.03, 0.06, 0.12, 0.25)  # m since a reversal: up to three caster trails and beyond
 

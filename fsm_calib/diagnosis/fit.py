@@ -122,6 +122,17 @@ def _prior(slots: Sequence[Slot], numbers: FloatArray) -> float:
     return float(-0.5 * np.sum((off[with_prior] / spread[with_prior]) ** 2))
 
 
+def _nonzero_columns(whitener: Whitener, columns: FloatArray) -> FloatArray:
+    """Whiten columns (n, 5, m); those that are zero in this recording cost nothing."""
+    used = np.flatnonzero(columns.any(axis=(0, 1)))
+    if len(used) == columns.shape[2]:
+        return whitener.columns(columns)
+    out = np.zeros((int(whitener.prepared.scored.sum()), columns.shape[2]))
+    if len(used):
+        out[:, used] = whitener.columns(columns[:, :, used])
+    return out
+
+
 @dataclass(frozen=True, eq=False)
 class Engine:
     """The recordings of one robot and how to fit them."""
@@ -153,7 +164,7 @@ class Engine:
 
     def white_columns(self, whiteners: Sequence[Whitener], columns: Sequence[FloatArray]) -> FloatArray:
         """Return whitened Jacobian columns of all recordings, shape (N, m): derivatives of the residual, sign reversed."""
-        return -np.vstack([w.columns(c) for w, c in zip(whiteners, columns, strict=True)])
+        return -np.vstack([_nonzero_columns(w, c) for w, c in zip(whiteners, columns, strict=True)])
 
     def fit(
         self,
@@ -242,6 +253,10 @@ class Engine:
             scaled += max(damping, 1e-9) * np.eye(len(index))
             step[index] = np.linalg.solve(scaled, gradient[index] / scale[index]) / scale[index]
         return np.clip(numbers + step, low, high)
+
+    def at_noise(self, fit: Fit, noise: Noise) -> Fit:
+        """Return the same parameters under another noise."""
+        return replace(fit, noise=noise, log_likelihood=self.log_likelihood(self.whiteners(noise), fit.simulated))
 
     def refit_noise(self, fit: Fit, names: Sequence[int], steps: int = 3) -> Fit:
         """Return the same parameters with the likeliest noise."""

@@ -118,14 +118,19 @@ def fit_noise(
     for _ in range(steps):
         scores = np.column_stack([(terms(here + LOG_STEP * unit) - now) / LOG_STEP for unit in np.eye(len(free))])
         gradient = scores.sum(axis=0) - (here - origin[free]) / PRIOR_SPREAD**2
-        curvature = scores.T @ scores + np.eye(len(free)) / PRIOR_SPREAD**2
-        move = np.clip(np.linalg.solve(curvature, gradient), -1.0, 1.0)
-        best, best_terms = here, now
-        for damping in (1.0, 0.4, 0.1):
+        centred = scores - scores.mean(axis=0)  # far from the top the mean score would shorten the steps
+        curvature = centred.T @ centred + np.eye(len(free)) / PRIOR_SPREAD**2
+        inside = ~(((here <= low) & (gradient < 0)) | ((here >= high) & (gradient > 0)))
+        move = np.zeros(len(free))
+        move[inside] = np.linalg.solve(curvature[np.ix_(inside, inside)], gradient[inside])
+        move *= 1.0 / max(1.0, float(np.abs(move).max()))
+        best, best_terms, top = here, now, now.sum() + prior(here)
+        for damping in (1.6, 0.8, 0.4, 0.15, 0.04):
             tried = np.clip(here + damping * move, low, high)
             there = terms(tried)
-            if there.sum() + prior(tried) > now.sum() + prior(here):
-                best, best_terms = tried, there
+            if there.sum() + prior(tried) > top:
+                best, best_terms, top = tried, there, there.sum() + prior(tried)
+            elif best is not here:
                 break
         gain = best_terms.sum() - now.sum()
         here, now = best, best_terms

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from fsm_calib.diagnosis.adequacy import LeftOver, Residual, project, residual_of, test_group
+from fsm_calib.diagnosis.adequacy import LeftOver, Residual, project, residual_of, test_columns
 from fsm_calib.diagnosis.features import Group, Situation, _column, feature_groups
 from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.types import FloatArray
@@ -49,8 +49,7 @@ def locate(engine: Engine, fit: Fit, situations: list[Situation], rng: np.random
     """Locate what a fit leaves unexplained."""
     groups = feature_groups(situations)
     residual = residual_of(engine, fit)
-    tests = sorted((test_group(residual, g) for g in groups), key=lambda t: -t.surprise)
-    p_value, threshold = flip_test(residual, groups, tests, rng)
+    tests, p_value, threshold = flip_test(residual, groups, rng)
     strong = [t for t in tests if t.surprise > threshold]
     channels: list[str] = []
     for test in strong[:4]:
@@ -66,26 +65,41 @@ def locate(engine: Engine, fit: Fit, situations: list[Situation], rng: np.random
     )
 
 
-def flip_test(
-    residual: Residual, groups: Sequence[Group], tests: Sequence[LeftOver], rng: np.random.Generator
-) -> tuple[float, float]:
-    """Return the p-value of the largest surprise and the surprise that 1 % of random signs reach somewhere."""
-    block = _blocks(residual)
-    signs = rng.choice([-1.0, 1.0], size=(FLIPS, int(block.max()) + 1))
-    largest = np.zeros(FLIPS)
-    for group in groups:
-        x = project(residual, group.columns)
-        parts = np.zeros((int(block.max()) + 1, x.shape[1]))
-        np.add.at(parts, block, x * residual.psi[:, None])
+@dataclass(frozen=True, eq=False)
+class Flips:
+    """Random signs of blocks: block number of each innovation, signs (flips, blocks), largest surprise so far."""
+
+    block: np.ndarray
+    signs: FloatArray
+    largest: FloatArray
+
+    def watch(self, residual: Residual, x: FloatArray) -> None:
+        """Take note of the surprises of a group's whitened columns `x` (N, m) under the random signs."""
+        parts = np.zeros((self.signs.shape[1], x.shape[1]))
+        np.add.at(parts, self.block, x * residual.psi[:, None])
         gram = x.T @ x
         mean, variance = float(np.trace(gram)), 2.0 * float(np.sum(gram * gram))
         if variance <= 0.0:
-            continue
+            return
         scale = variance / (2.0 * mean)
-        q = np.sum((signs @ parts) ** 2, axis=1)
-        largest = np.maximum(largest, -chi2.logsf(q / scale, mean / scale) / np.log(10.0))
-    top = max(test.surprise for test in tests)
-    return float((1 + np.sum(largest >= top)) / (FLIPS + 1)), float(np.quantile(largest, 1 - SIGNIFICANT))
+        q = np.sum((self.signs @ parts) ** 2, axis=1)
+        np.maximum(self.largest, -chi2.logsf(q / scale, mean / scale) / np.log(10.0), out=self.largest)
+
+
+def flip_test(
+    residual: Residual, groups: Sequence[Group], rng: np.random.Generator
+) -> tuple[list[LeftOver], float, float]:
+    """Return the tests of all groups, most surprising first, the p-value of the first, and what 1 % of signs reach."""
+    block = _blocks(residual)
+    flips = Flips(block, rng.choice([-1.0, 1.0], size=(FLIPS, int(block.max()) + 1)), np.zeros(FLIPS))
+    tests = []
+    for group in groups:
+        x = project(residual, group.columns)
+        tests.append(test_columns(residual, group, x))
+        flips.watch(residual, x)
+    tests.sort(key=lambda t: -t.surprise)
+    p_value = float((1 + np.sum(flips.largest >= tests[0].surprise)) / (FLIPS + 1))
+    return tests, p_value, float(np.quantile(flips.largest, 1 - SIGNIFICANT))
 
 
 def _blocks(residual: Residual) -> np.ndarray:
