@@ -27,7 +27,7 @@ from fsm_calib.recording.channels import (
 from fsm_calib.recording.checks import checked
 from fsm_calib.recording.csv_table import Table, read_table
 from fsm_calib.recording.recording import Recording, RobotFacts
-from fsm_calib.recording.yaml_places import PlacedYaml, read_yaml
+from fsm_calib.recording.yaml_places import KEY, PlacedYaml, read_yaml
 from fsm_calib.types import FloatArray
 
 FORMAT = "fsm-calib/recording@1"
@@ -214,6 +214,7 @@ def _input_error(placed: PlacedYaml, detail: Any) -> InputError:
     cure = ""
     if detail["type"] == "extra_forbidden":
         cure = nearest_names(str(path[-1]), _known_keys(path[:-1]))
+        return InputError(f"unknown key {key!r}", where=placed.place((*path, KEY)), cure=cure)
     message = str(detail["msg"]).removeprefix("Value error, ")
     return InputError(f"{key}: {message[:1].lower()}{message[1:]}", where=placed.place(path), cure=cure)
 

@@ -17,6 +17,7 @@ from fsm_calib.errors import InputError
 from fsm_calib.recording.csv_table import read_lines
 
 LARGEST_MANIFEST = 100_000  # characters; a manifest has about a thousand
+KEY = "(key)"  # appended to a path, it names the place of the key in place of the value's
 DEEPEST = 20  # levels of nesting; a manifest has three
 NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?$")
 
@@ -83,7 +84,7 @@ def _mapping(file: Path, node: yaml.MappingNode, path: tuple[str | int, ...], pl
         if key in result:
             raise InputError(f"key {key!r} occurs twice", where=place)
         result[key] = _plain(file, value_node, (*path, key), places)
-        places.setdefault((*path, key), place)
+        places[(*path, key, KEY)] = place
     return result
 
 

@@ -1,0 +1,94 @@
+"""What a person would notice in a recording is told, and what was dropped is said."""
+
+import numpy as np
+import pytest
+from recording_samples import shared
+
+from fsm_calib.recording import CommandTrack, PoseTrack, Recording, WheelPair, read_recording
+from fsm_calib.recording.checks import checked
+
+
+class Nowhere:
+    def where(self, row: int) -> str:
+        return f"row {row}"
+
+
+def looked_at(**channels) -> Recording:
+    return checked(Recording(**channels), dict.fromkeys(channels, Nowhere()))
+
+
+def circle(**changes) -> PoseTrack:
+    t = np.arange(0.0, 20.0, 0.1)
+    columns = {"time": t, "x": np.sin(t / 3.0), "y": 1.0 - np.cos(t / 3.0), "theta": t / 3.0} | changes
+    return PoseTrack(**columns)
+
+
+def kinds(recording: Recording) -> set[str]:
+    return {finding.kind for finding in recording.checks}
+
+
+def test_sound_drive_has_no_findings():
+    assert looked_at(pose=circle()).checks == ()
+
+
+def test_row_whose_time_goes_backwards_is_dropped_and_told():
+    t = circle().time.copy()
+    t[50] = 1.0
+    recording = looked_at(pose=circle(time=t))
+    assert len(recording.pose) == 199
+    finding = recording.checks[0]
+    assert (finding.kind, finding.action, finding.rows) == ("time_backwards", "dropped", 1)
+
+
+def test_later_of_two_commands_at_one_instant_holds():
+    track = CommandTrack(np.array([0.0, 1.0, 1.0, 2.0]), np.array([0.0, 0.1, 0.2, 0.3]), np.zeros(4))
+    assert list(looked_at(command=track).command.left) == [0.0, 0.2, 0.3]
+
+
+def test_measurements_at_one_instant_are_spread():
+    track = WheelPair(np.array([0.0, 1.0, 1.0, 2.0]), np.arange(4.0), np.arange(4.0))
+    assert list(looked_at(wheel_angle=track).wheel_angle.time) == [0.0, 1.0, 1.5, 2.0]
+
+
+def test_jump_is_told_with_its_time():
+    x = circle().x.copy()
+    x[100] += 2.0
+    finding = looked_at(pose=circle(x=x)).checks[0]
+    assert finding.kind == "jump"
+    assert finding.time == pytest.approx(10.0)
+
+
+def test_millimetres_taken_for_metres_are_told():
+    assert "unit_slip" in kinds(looked_at(pose=circle(x=1000.0 * circle().x, y=1000.0 * circle().y)))
+
+
+def test_pose_frozen_under_drive_is_told():
+    x, y = circle().x.copy(), circle().y.copy()
+    x[60:120], y[60:120] = x[60], y[60]
+    command = CommandTrack(np.array([0.0]), np.array([0.3]), np.array([0.32]))
+    track = CommandTrack(np.array([0.0, 20.0]), np.array([0.3, 0.3]), np.array([0.32, 0.32]))
+    assert "frozen" in kinds(looked_at(pose=circle(x=x, y=y), command=track))
+    assert "frozen" not in kinds(looked_at(pose=circle(), command=command))
+
+
+def test_wheel_that_never_moves_is_told():
+    t = np.arange(10.0)
+    assert "frozen" in kinds(looked_at(wheel_rate=WheelPair(t, np.zeros(10), t, "rad/s")))
+
+
+def test_clocks_with_different_zeros_are_told():
+    t = circle().time
+    track = CommandTrack(t + 1.6e9, np.full(200, 0.1), np.full(200, 0.2))
+    assert "clocks" in kinds(looked_at(command=track, pose=circle()))
+
+
+def test_gap_is_told():
+    keep = (circle().time < 5.0) | (circle().time > 8.0)
+    assert "gap" in kinds(looked_at(pose=circle().rows(keep)))
+
+
+@pytest.mark.parametrize(
+    "name", ["duckiebot-watchtower/b1-run1", "husky-skidsteer/run0", "mrclam-create/ds6-robot3"]
+)
+def test_real_robots_are_read_without_refusal(name):
+    assert read_recording(shared(f"{name}.recording.yaml")).channels
