@@ -12,14 +12,14 @@ from fsm_calib.actions.notebook import CameraFigures
 from fsm_calib.errors import DataError
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.calibration import CameraCalibration
-from fsm_calib.perception.static_boards import calibrate_scan
+from fsm_calib.perception.static_boards import StaticResult, calibrate_scan
 
 
 def solve_camera(bench: Bench) -> Outcome:
     """Compute the intrinsics; solved, imprecise or refused, with the figures and the reason."""
     notebook = bench.notebook
     try:
-        result = calibrate_scan(notebook.views, bench.settings.board, notebook.image_size).calibration
+        scan = calibrate_scan(notebook.views, bench.settings.board, notebook.image_size)
     except DataError as error:
         return _refused(error.problem, error.cure)
     result = scan.calibration
