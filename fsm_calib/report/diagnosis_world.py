@@ -11,6 +11,10 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 
+FITTED_BASE = ("axle_length", "tau_forward", "tau_turn")
+"""What a fit finds of the base robot beside the wheels' gains, which become wheel ratio and speed."""
+
+
 def world_text(diagnosis: Diagnosis) -> str:
     """Return a scenario that `fsm-calib run` accepts, the fitted base robot in its comments.
 
@@ -36,6 +40,8 @@ def world_text(diagnosis: Diagnosis) -> str:
             "name": _safe(name),
             "source": "nominal",
             "wheel_ratio": _rounded(left / right),
+            "speed": _rounded(0.5 * (left + right) / table.null[table.place("gain_left")]),
+            "base": {name: _rounded(fit.values[0, table.place(name)]) for name in FITTED_BASE},
             "effects": effects,
         },
     }

@@ -15,7 +15,7 @@ from fsm_calib.machines.limits import Limits
 from fsm_calib.machines.supervisor import PHASES
 from fsm_calib.scenario.section import Section, mirror, mirror_of
 from fsm_calib.types import BoardSpec, CameraMount, Pose2
-from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects import Parameter, registry
 from fsm_calib.world2d.faults import (
     BlurredCamera,
     DeadWheel,
@@ -25,9 +25,13 @@ from fsm_calib.world2d.faults import (
     MissingMarkers,
     Obstacle,
 )
+from fsm_calib.world2d.parameters import BASE
 from fsm_calib.world2d.robot import Wear, WorldSettings
 from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, Wall
 from fsm_calib.world2d.sensor import SensorSettings
+
+GAINS = ("gain_left", "gain_right")
+"""Parameters of the base that a scenario gives as `wheel_ratio` and `speed`."""
 
 FAULT_KINDS: dict[str, type] = {
     "dead_wheel": DeadWheel,
@@ -41,25 +45,31 @@ FAULT_KINDS: dict[str, type] = {
 """How a scenario calls each fault of `world2d.faults`."""
 
 
+def _physical(parameter: Parameter) -> tuple[Any, Any]:
+    """Return type and field of one number of an effect or of the base robot."""
+    said = (
+        f"{parameter.symbol} [{parameter.unit}]; default {parameter.null:g}, typical {parameter.typical:g}."
+    )
+    return float | None, Field(default=None, ge=parameter.low, le=parameter.high, description=said)
+
+
+def base_section() -> type[Section]:
+    """Return the section with the base robot's physics; its gains follow from wheel ratio and speed."""
+    values: dict[str, Any] = {
+        parameter.name: _physical(parameter) for parameter in BASE if parameter.name not in GAINS
+    }
+    return create_model("BaseSection", __base__=Section, __doc__="Physics of the base robot.", **values)
+
+
 def effects_section() -> type[Section]:
     """Return the section that switches on effects of the catalogue.
 
-    An effect that is named without values has the typical size that its file declares.
+    An effect that is named without values has the typical size that its file declares; where some values
+    are given, the others have the value that changes nothing.
     """
     parts: dict[str, Any] = {}
     for effect in registry().values():
-        values: dict[str, Any] = {
-            parameter.name: (
-                float,
-                Field(
-                    default=parameter.typical,
-                    ge=parameter.low,
-                    le=parameter.high,
-                    description=f"{parameter.symbol} [{parameter.unit}]; null value {parameter.null:g}.",
-                ),
-            )
-            for parameter in effect.parameters
-        }
+        values: dict[str, Any] = {parameter.name: _physical(parameter) for parameter in effect.parameters}
         title = "".join(word.capitalize() for word in effect.name.split("_"))
         part = create_model(f"{title}Section", __base__=Section, **values)
         parts[effect.name] = (part | None, Field(default=None))
@@ -83,6 +93,7 @@ if TYPE_CHECKING:  # what a mirror holds is known when it is made, not before
     MountSection: TypeAlias = Any
     EffectsSection: TypeAlias = Any
     PoseSection: TypeAlias = Any
+    BaseSection: TypeAlias = Any
     WearSection: TypeAlias = Any
     WorldSection: TypeAlias = Any
 else:
@@ -98,6 +109,7 @@ else:
     SensorSection = mirror(SensorSettings, skip=("defocus",))
     MountSection = mirror_of(CameraMount)
     EffectsSection = effects_section()
+    BaseSection = base_section()
     PoseSection = mirror_of(Pose2)
     WearSection = mirror_of(Wear)
     WorldSection = mirror_of(WorldSettings)

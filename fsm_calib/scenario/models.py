@@ -10,6 +10,7 @@ from pydantic import Field, field_validator
 from fsm_calib.machines.supervisor import PHASES
 from fsm_calib.scenario.mirrors import (
     ActionsSection,
+    BaseSection,
     BoardSection,
     EffectsSection,
     FaultSection,
@@ -104,6 +105,10 @@ class RobotSection(Section):
         le=20.0,
         description="Begin in the middle of the lane instead, this far along it [m].",
     )
+    speed: float | None = Field(
+        default=None, gt=0.1, lt=5.0, description="All motor gains, as a share of the nominal ones [1]."
+    )
+    base: BaseSection = BaseSection()
     effects: EffectsSection = Field(
         default=EffectsSection(), description="Physics beyond the nominal robot, switched on by name."
     )

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from fsm_calib.scenario.models import RobotSection, Scenario
+from fsm_calib.world2d.effects import effect as effect_of
 from fsm_calib.world2d.fleet import RobotSpec, draw_robot, nominal_robot
 
 ROBOT_STREAM = 1
@@ -26,7 +27,12 @@ def robot_of(scenario: Scenario) -> RobotSpec:
         robot = replace(robot, mount=section.mount.build())
     if section.wheel_ratio is not None:
         robot = replace(robot, wheel_ratio=section.wheel_ratio)
-    return replace(robot, effects=effect_values(section))
+    if section.speed is not None:
+        robot = replace(robot, speed=section.speed)
+    base = section.base.model_dump(exclude_none=True)
+    if "axle_length" in base:
+        robot = replace(robot, axle_length=base["axle_length"])
+    return replace(robot, effects=base | effect_values(section))
 
 
 def effect_values(section: RobotSection) -> dict[str, float]:
@@ -35,5 +41,11 @@ def effect_values(section: RobotSection) -> dict[str, float]:
     for name in type(section.effects).model_fields:
         effect = getattr(section.effects, name)
         if effect is not None:
-            values |= {f"{name}.{key}": value for key, value in effect.model_dump().items()}
+            given = effect.model_dump(exclude_none=True) or typical_values(name)
+            values |= {f"{name}.{key}": value for key, value in given.items()}
     return values
+
+
+def typical_values(name: str) -> dict[str, float]:
+    """Return the typical size of an effect, as its file declares it."""
+    return {parameter.name: parameter.typical for parameter in effect_of(name).parameters}
