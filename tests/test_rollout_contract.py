@@ -188,7 +188,8 @@ def test_a_second_process_finds_the_compiled_program():
     code = (
         "import numpy as np; from fsm_calib.world2d.rollout import *; from fsm_calib.world2d.kernel import kernel;"
         "from fsm_calib.world2d.parameters import null_parameters;"
-        "s = simulate(null_parameters(), Drive([0.0], [0.4], [0.3]), np.arange(0, 3, 0.05), (0, 0, 0));"
+        "drive = Drive([0.0], [0.4], [0.3]);"
+        "s = simulate(null_parameters(), drive, np.arange(0, 3, 0.05), (0, 0, 0));"
         "print(s.tobytes().hex()[-64:], sum(kernel().run_many.stats.cache_misses.values()))"
     )
     outputs = [

@@ -80,7 +80,9 @@ ENGAGED = 60
 """How much of the step the motors' gears are engaged, 0 to 1 (60, 61)."""
 BASE_DRIVE, ROTATING = 62, 63
 """The base's DRIVE [N s/m], and the rotating inertia of a wheel and its motor as a mass at the rim [kg]."""
-BENCH_SIZE = 64
+LAST_SLIP = 64
+"""Slip of the tyres in the step before [m/s] (64, 65): where the search for the next begins."""
+BENCH_SIZE = 66
 
 # ---- constants of the world ----
 GRAVITY = 9.80665

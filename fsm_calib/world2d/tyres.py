@@ -16,6 +16,7 @@ from fsm_calib.world2d.slots import (
     ENGAGED,
     GRIP,
     HALF_AXLE,
+    LAST_SLIP,
     LINE_FORCE,
     LINE_SLOPE,
     MEAN_OMEGA,
@@ -35,11 +36,11 @@ from fsm_calib.world2d.slots import (
     V,
 )
 
-NEWTON_STEPS = 12
+NEWTON_STEPS = 30
 """Most iterations for the crossing of motor and tyre; two or three are the rule."""
-NEWTON_TOLERANCE = 1e-7
+NEWTON_TOLERANCE = 1e-6
 """Change of the slip at which the iteration ends [m/s]; as it converges quadratically, the error is then
-1e-12."""
+1e-10."""
 STILL = 1e-12
 """Speeds below this are zero [m/s, rad/s]: keeps a resting robot exactly still."""
 
@@ -51,17 +52,16 @@ def slip_at_crossing(excess, drive, grip, floor2, guess):
     Solves drive (excess - s) = grip s / sqrt(s^2 + floor2) for s; `excess` [m/s] is the no-load rim speed
     minus the ground's speed, `drive` [N s/m], `grip` [N], `floor2` [m2/s2] the squared slip across plus the
     squared slip speed, `guess` [m/s] the slip of the step before. Newton's method; the curve is concave, so
-    that from the left of the root it cannot overshoot, and from the right it is held at a bound that is left
-    of it.
+    that from the left of the root it climbs without overshooting, and from the right it falls left of it at
+    once, at worst to zero.
     """
     e = abs(excess)
-    least = max(drive * e / (drive + grip / math.sqrt(floor2)), e - grip / drive)
-    s = max(least, abs(guess))
+    s = min(abs(guess), e)
     for _ in range(NEWTON_STEPS):
         r2 = s * s + floor2
         k = grip / math.sqrt(r2)
         change = (drive * (e - s) - k * s) * r2 / (drive * r2 + k * floor2)
-        s = max(s + change, least)
+        s = max(s + change, 0.0)
         if abs(change) < NEWTON_TOLERANCE:
             break
     return math.copysign(s, excess)
@@ -92,12 +92,13 @@ def meet_ground(S, W, side, speed, across):
     floor2 = across * across + W[SLIP_SPEED] * W[SLIP_SPEED]
     if engaged > 0.0:
         effective = target - dry / drive
-        guess = S[RIM + side] - speed
+        guess = W[LAST_SLIP + side]
         slip = slip_at_crossing(effective - speed, drive, W[GRIP + side], floor2, guess)
         if dry > 0.0 and speed + slip <= 0.0:
             effective = target + dry / drive
             slip = slip_at_crossing(effective - speed, drive, W[GRIP + side], floor2, guess)
         if dry == 0.0 or (speed + slip) * (effective - target) < 0.0:
+            W[LAST_SLIP + side] = slip
             r2 = slip * slip + floor2
             stiffness = W[GRIP + side] / math.sqrt(r2)
             slope = drive * stiffness * floor2 / (drive * r2 + stiffness * floor2)
