@@ -34,17 +34,29 @@ def message(store, kind, time, **values):
     return store.types[kind](header=header(stamp=stamp, frame_id="", **extra), **values)
 
 
+DUCKIETOWN = (
+    ("/bot/wheels_driver_node/wheels_cmd", "WheelsCmdStamped", [{"vel_left": 0.25, "vel_right": 0.5}]),
+    (
+        "/bot/left_wheel_encoder_node/tick",
+        "WheelEncoderStamped",
+        [{"data": k, "resolution": 135, "type": 1} for k in (0, 27)],
+    ),
+    (
+        "/bot/right_wheel_encoder_node/tick",
+        "WheelEncoderStamped",
+        [{"data": k, "resolution": 135, "type": 1} for k in (5, 54)],
+    ),
+    ("/bot/fsm_node/mode", "FSMState", [{"state": "LANE_FOLLOWING"}]),
+    ("/bot/velocity_to_pose_node/pose", "Pose2DStamped", [{"x": 1.0, "y": 1.0, "theta": 1.0}]),
+)
+
+
 def write_duckietown(path, storage=None):
     store = typestore(ros1=storage is None)
     writer = Writer1(path) if storage is None else Writer2(path, version=8, storage_plugin=storage)
     with writer:
-        for topic, kind, rows in (
-            ("/bot/wheels_driver_node/wheels_cmd", "duckietown_msgs/msg/WheelsCmdStamped", [{"vel_left": 0.25, "vel_right": 0.5}]),
-            ("/bot/left_wheel_encoder_node/tick", "duckietown_msgs/msg/WheelEncoderStamped", [{"data": k, "resolution": 135, "type": 1} for k in (0, 27)]),
-            ("/bot/right_wheel_encoder_node/tick", "duckietown_msgs/msg/WheelEncoderStamped", [{"data": k, "resolution": 135, "type": 1} for k in (5, 54)]),
-            ("/bot/fsm_node/mode", "duckietown_msgs/msg/FSMState", [{"state": "LANE_FOLLOWING"}]),
-            ("/bot/velocity_to_pose_node/pose", "duckietown_msgs/msg/Pose2DStamped", [{"x": 1.0, "y": 1.0, "theta": 1.0}]),
-        ):  # fmt: skip
+        for topic, name, rows in DUCKIETOWN:
+            kind = f"duckietown_msgs/msg/{name}"
             connection = writer.add_connection(topic, kind, typestore=store)
             for k, values in enumerate(rows):
                 built = message(store, kind, 0.5 * k, **values)
@@ -109,7 +121,9 @@ def tag_messages():
     elder = old.types["duckietown_msgs/msg/AprilTagDetection"](301, 0.065, stamped)
     covered = now.types["geometry_msgs/msg/PoseWithCovariance"](pose, np.zeros(36))
     other = now.types["apriltags2_ros/msg/AprilTagDetection"](
-        np.array([301], np.int32), np.array([0.065]), now.types["geometry_msgs/msg/PoseWithCovarianceStamped"](header, covered)
+        np.array([301], np.int32),
+        np.array([0.065]),
+        now.types["geometry_msgs/msg/PoseWithCovarianceStamped"](header, covered),
     )  # fmt: skip
     return [
         (now, now.types["duckietown_msgs/msg/AprilTagDetectionArray"](header, [current])),

@@ -35,7 +35,8 @@ def refused(path) -> str:
 
 def test_units_become_si(tmp_path):
     manifest = HEAD + (
-        "  wheel_angle: {file: w.csv, time: ms, time_unit: 0.001, left: l, right: r, unit: tick, ticks_per_turn: 100}\n"
+        "  wheel_angle: {file: w.csv, time: ms, time_unit: 0.001, left: l, right: r, unit: tick,\n"
+        "    ticks_per_turn: 100}\n"
         "  pose: {file: p.csv, time: ms, time_unit: 1e-3, x: x, y: y, length_unit: 0.01}\n"
     )
     recording = read_recording(

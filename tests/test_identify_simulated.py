@@ -1,0 +1,149 @@
+"""Identification of simulated robots whose truth is known."""
+
+import importlib.util
+
+import numpy as np
+import pytest
+from recording_samples import ROOT
+
+from fsm_calib.diagnosis.identify import identify
+from fsm_calib.diagnosis.identify_motion import arc, body_motion, dead_reckon, sensor_motion
+from fsm_calib.diagnosis.identify_result import Estimate, Identification, combined
+from fsm_calib.diagnosis.identify_robust import jacobian_of, robust_fit
+from fsm_calib.errors import DataError
+from fsm_calib.recording import PoseTrack, Recording, RobotFacts, WheelPair
+from fsm_calib.recording.channels import YawRateTrack
+
+_spec = importlib.util.spec_from_file_location("coverage", ROOT / "benchmarks" / "identify_coverage.py")
+coverage = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(coverage)
+
+
+def wheels_drive(seed=0, kind="wheels"):
+    rng = np.random.default_rng(seed)
+    truth = coverage.robot(rng)
+    return truth, coverage.pose_drive(truth, rng, kind).window(0.0, 20.0)
+
+
+def test_arc_agrees_with_many_small_straight_steps():
+    x, y, theta = dead_reckon(np.full(20000, 0.5 / 20000), np.full(20000, 1.2 / 20000), (0.0, 0.0, 0.0))
+    dx, dy = arc(np.array([0.5]), np.array([1.2]))
+    assert (x[-1], y[-1], theta[-1]) == pytest.approx((dx[0], dy[0], 1.2), abs=1e-9)
+
+
+def test_sensor_motion_agrees_with_transforms():
+    sensor = (0.03, -0.02, 0.7)
+    d, turn = body_motion(np.array([2.0]), np.array([5.0]), 0.03, 0.031, 0.1)
+    dx, dy = arc(d, turn)
+    matrix = coverage.transform(*sensor)
+    seen = np.linalg.inv(matrix) @ coverage.transform(dx[0], dy[0], turn[0]) @ matrix
+    assert sensor_motion(d, turn, np.array(sensor))[0, :2] == pytest.approx(seen[:2, 2])
+
+
+def test_robust_fit_is_unmoved_by_wild_rows():
+    rng = np.random.default_rng(3)
+    x = rng.uniform(-1, 1, 400)
+    y = (2.0 * x + 1.0 + rng.normal(0, 0.01, 400))[:, None]
+    y[:12] += 5.0
+    fit = robust_fit(lambda p: (p[0] * x + p[1])[:, None], y, np.zeros(2), np.ones(2))
+    assert fit.parameters == pytest.approx([2.0, 1.0], abs=0.005)
+    assert fit.outliers >= 12
+
+
+def test_jacobian_agrees_with_its_formula():
+    x = np.linspace(0.0, 1.0, 5)
+    jacobian = jacobian_of(lambda p: np.exp(p[0] * x)[:, None], np.array([0.7]), np.ones(1))
+    assert jacobian[:, 0, 0] == pytest.approx(x * np.exp(0.7 * x), rel=1e-6)
+
+
+def test_intervals_of_displacement_fits_hold_the_truth():
+    errors = np.array([list(coverage.errors("displacement", 1000 + seed).values()) for seed in range(25)])
+    # 150 numbers, six of a robot depend on each other: 0.90 +- 0.03
+    assert 0.80 <= (np.abs(errors) < coverage.INSIDE).mean() <= 0.98
+
+
+@pytest.mark.parametrize("kind", ["wheels", "position", "command"])
+def test_estimates_lie_within_five_deviations_of_the_truth(kind):
+    errors = coverage.errors(kind, 2)
+    assert all(abs(error) < 5.0 for error in errors.values())
+
+
+def test_position_without_heading_cannot_tell_the_sensors_heading():
+    _, recording = wheels_drive(kind="position")
+    estimate = identify([recording]).estimates["sensor.theta"]
+    assert estimate.value is None
+    assert "no heading" in estimate.reason
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda a: (-a.left, -a.right), "the signs of both wheel channels are reversed"),
+        (lambda a: (a.right, a.left), "exchanged"),
+        (lambda a: (a.left, -a.right), "the sign of the right one"),
+    ],
+)
+def test_reversed_and_exchanged_wheels_are_said(change, words):
+    truth, recording = wheels_drive()
+    angle = recording.wheel_angle
+    left, right = change(angle)
+    wrong = Recording(recording.robot, wheel_angle=WheelPair(angle.time, left, right), pose=recording.pose)
+    found = identify([wrong])
+    assert any(words in note for note in found.notes)
+    assert found.value("axle_length") == pytest.approx(truth["axle_length"], rel=0.01)
+
+
+def test_wrong_axle_of_the_manifest_is_said():
+    _, recording = wheels_drive()
+    facts = RobotFacts("simulated", 0.0318, 0.05)
+    found = identify([Recording(facts, wheel_angle=recording.wheel_angle, pose=recording.pose)])
+    assert any("stated axle_length of 0.05 m is wrong" in note for note in found.notes)
+
+
+def test_yaw_rate_alone_tells_only_the_ratio():
+    rng = np.random.default_rng(0)
+    t = np.arange(0.0, 40.0, 0.1)
+    left, right = np.repeat(rng.uniform(-2, 8, (2, 40)), 10, axis=1)
+    omega = 0.3 * right - 0.32 * left + 0.01 + rng.normal(0.0, 0.02, 400)
+    recording = Recording(
+        RobotFacts("gyro", 0.03, 0.1),
+        wheel_rate=WheelPair(t, left, right, "rad/s"),
+        yaw_rate=YawRateTrack(t, omega),
+    )
+    found = identify([recording])
+    assert found.value("wheel_radius_left") is None
+    assert "only the ratio" in found.estimates["axle_length"].reason
+    for side, truth in (("left", 0.32), ("right", 0.30)):
+        estimate = found.estimates[f"wheel_radius_over_axle_{side}"]
+        assert abs(estimate.value - truth) < 5.0 * estimate.sd < 0.01
+
+
+def test_robot_at_rest_is_refused_with_a_cure():
+    t = np.arange(0.0, 10.0, 0.1)
+    rng = np.random.default_rng(0)
+    still = PoseTrack(t, *rng.normal(0.0, 0.001, (3, 100)))
+    with pytest.raises(DataError, match="hardly moved"):
+        identify([Recording(wheel_angle=WheelPair(t, np.zeros(100), np.zeros(100)), pose=still)])
+
+
+def test_channels_that_tell_nothing_are_refused():
+    t = np.arange(0.0, 10.0, 0.1)
+    with pytest.raises(DataError, match="do not tell the robot"):
+        identify([Recording(pose=PoseTrack(t, t, t, t))])
+
+
+def test_recordings_of_one_robot_are_averaged_by_their_weights():
+    parts = [
+        Identification("r", "m", {"axle_length": Estimate(value, sd, "m")}, {})
+        for value, sd in ((0.1, 0.001), (0.102, 0.002))
+    ]
+    mean = combined(parts).estimates["axle_length"]
+    assert mean.value == pytest.approx(0.1004)
+    assert mean.sd == pytest.approx((1e6 + 0.25e6) ** -0.5)
+
+
+def test_recordings_that_disagree_are_said_to():
+    parts = [Identification("r", "m", {"a": Estimate(value, 0.001, "m")}, {}) for value in (0.1, 0.12)]
+    found = combined(parts)
+    assert any("disagree about a" in note for note in found.notes)
+    assert found.estimates["a"].sd == pytest.approx(0.01)
