@@ -32,7 +32,11 @@ from fsm_calib.perception.information import (
 from fsm_calib.perception.intrinsics import calibrate
 from fsm_calib.perception.lens import intrinsics_vector, project, unproject
 from fsm_calib.perception.prediction import projection_difference
-from fsm_calib.perception.rotations import BASE_FROM_OPTICAL, mount_from_pose, rotation_from_vector, yaw_rotation
+from fsm_calib.perception.rotations import (
+    BASE_FROM_OPTICAL,
+    mount_from_pose,
+    rotation_from_vector,
+)
 from fsm_calib.perception.static_boards import calibrate_static, frames_of
 from fsm_calib.types import BoardSpec, BoardView, CameraModel, CameraMount, Pose2
 from fsm_calib.world2d.camera import Renderer
@@ -209,7 +213,9 @@ def table(rows: list[dict]) -> str:
     views = [np.median([row[part]["views"] for row in rows]) for part in ("scan", "stopped")]
     noise = np.median([row["scan"]["noise_px"] for row in rows])
     kept = np.mean([row["scan"]["is_static"] for row in rows])
-    lines.append(f"views: {views[0]:.0f} whole, {views[1]:.0f} stopped; corner noise {noise:.3f} px; static in {kept:.0%}")
+    lines.append(
+        f"views: {views[0]:.0f} whole, {views[1]:.0f} stopped; corner noise {noise:.3f} px; static in {kept:.0%}"
+    )
     for name in ("pitch_error_deg", "roll_error_deg", "height_error_m"):
         values = np.abs([row["scan"][name] for row in rows])
         lines.append(f"|{name}| median {np.nanmedian(values):.4f}, 95 % {np.nanpercentile(values, 95):.4f}")

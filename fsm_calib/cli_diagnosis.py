@@ -10,7 +10,9 @@ from typing import Annotated, Any
 import typer
 
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")  # many small products: threads of the linear algebra only wait for each other
+    os.environ.setdefault(
+        _variable, "1"
+    )  # many small products: threads of the linear algebra only wait for each other
 
 
 def register(app: typer.Typer) -> None:
@@ -27,13 +29,15 @@ def diagnose_command(
         list[str] | None, typer.Option(metavar="RECORDING", help="Judge the result on this one; repeatable.")
     ] = None,
     without: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Leave an effect out of the catalogue; repeatable.")
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Leave an effect out of the catalogue; repeatable."),
     ] = None,
     world: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the improved world to this scenario file.")
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", metavar="FILE", help="Write the verdict as JSON; - for standard output.")
+        Path | None,
+        typer.Option("--json", metavar="FILE", help="Write the verdict as JSON; - for standard output."),
     ] = None,
     report: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Write report.html and world.yaml to this folder.")
@@ -100,13 +104,17 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
     located = plain["located"]
     if plain["verdict"] != "match":
         where = f", around {located['where']}" if located["where"] else ""
-        lines.append(f"  shows in: {', '.join(located['channels']) or '-'}; {located['regime'] or '-'}{where}")
+        lines.append(
+            f"  shows in: {', '.join(located['channels']) or '-'}; {located['regime'] or '-'}{where}"
+        )
     if plain["family"]:
         lines.append(f"  resembles most: {plain['family']}")
     for name in ("holdout", "train"):
         errors = plain["fit"][name]
         if errors:
-            said = [f"{k} {_millimetres(errors[k]['xy_m'])}, {_degrees(errors[k]['theta_rad'])}" for k in errors]
+            said = [
+                f"{k} {_millimetres(errors[k]['xy_m'])}, {_degrees(errors[k]['theta_rad'])}" for k in errors
+            ]
             lines.append(f"  {plain['fit']['horizon_s']:g} s error on {name}: {'; '.join(said)}")
     for rival in plain["rivals"][:3]:
         lines.append(f"  rival {rival['name']}: {rival['evidence_gap']:.0f} behind")

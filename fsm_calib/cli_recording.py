@@ -22,6 +22,9 @@ def identify_command(
         Path | None,
         typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
     ] = None,
+    tag_map: Annotated[
+        str | None, typer.Option("--tag-map", metavar="FILE", help="Places of tags, for bags without poses.")
+    ] = None,
 ) -> None:
     """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
     from fsm_calib.diagnosis.identify import identify
@@ -30,7 +33,7 @@ def identify_command(
 
     if json_file is not None and str(json_file) != "-" and not json_file.parent.is_dir():
         raise InputError("the folder of the JSON file does not exist", where=str(json_file))
-    loaded = [read_recording(path) for path in recordings]
+    loaded = [read_recording(path, tag_map) for path in recordings]
     for recording in loaded:
         for finding in recording.checks:
             typer.echo(f"{recording.source}: {finding}", err=True)

@@ -106,7 +106,9 @@ class Bank:
             plans.append((hypothesis, starts))
         return plans
 
-    def _scanned(self, effect: Effect, candidates: Sequence[Candidate]) -> list[tuple[Hypothesis, list[Start]]]:
+    def _scanned(
+        self, effect: Effect, candidates: Sequence[Candidate]
+    ) -> list[tuple[Hypothesis, list[Start]]]:
         """Turn candidates of a scan into starts, with strengths tried by simulation."""
         plans = []
         for candidate in candidates:
@@ -128,7 +130,9 @@ class Bank:
         slots = self.parent.slots + slots_of(hypothesis, len(self.engine.simulators))
         known = self.parent.columns
         hope = self.parent.score + HOPELESS
-        fit = self.engine.fit(start.values, slots, self.parent.noise, known=known, steps=FIRST_STEPS, hope=hope)
+        fit = self.engine.fit(
+            start.values, slots, self.parent.noise, known=known, steps=FIRST_STEPS, hope=hope
+        )
         if fit.score > self.parent.score + HOPELESS:
             fit = self.engine.refit_noise(fit, SPEED_NOISE, 2)
             fit = self.engine.fit(fit.values, slots, fit.noise, known=known, steps=LAST_STEPS)

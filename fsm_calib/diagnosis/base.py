@@ -12,7 +12,9 @@ from fsm_calib.diagnosis.simulator import Simulator, nominal_values
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import NUISANCE, parameter_table
 
-SLIP_SPREAD = 0.006  # m/s: tyres of small robots differ by half of the default slip speed (benchmarks/rollout.py)
+SLIP_SPREAD = (
+    0.006  # m/s: tyres of small robots differ by half of the default slip speed (benchmarks/rollout.py)
+)
 ROUNDS = 4  # fit and noise in turn; two suffice on clean data
 ENOUGH = 0.5  # log-likelihood units between rounds
 

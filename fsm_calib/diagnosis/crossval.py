@@ -56,7 +56,15 @@ def _slots_for(slots: Sequence[Slot], runs: Sequence[int]) -> tuple[list[Slot], 
     """Return all slots that concern `runs`, renumbered, and those among them that belong to one recording."""
     kept = [s for s in slots if s.run == ALL_RUNS or s.run in runs]
     renumbered = [
-        Slot(s.place, s.low, s.high, s.step, s.run if s.run == ALL_RUNS else list(runs).index(s.run), s.centre, s.spread)
+        Slot(
+            s.place,
+            s.low,
+            s.high,
+            s.step,
+            s.run if s.run == ALL_RUNS else list(runs).index(s.run),
+            s.centre,
+            s.spread,
+        )
         for s in kept
     ]
     return renumbered, [s for s in renumbered if s.run != ALL_RUNS]

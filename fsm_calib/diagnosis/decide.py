@@ -109,7 +109,9 @@ class Judge:
             return ranking
         names = noise_names(self.engine.simulators)
         limit = POLISH_SHARE * ranking[0].evidence
-        leaders = [polished(self.engine, r, base, names) for r in ranking[:POLISHED] if r.evidence >= max(limit, 0.0)]
+        leaders = [
+            polished(self.engine, r, base, names) for r in ranking[:POLISHED] if r.evidence >= max(limit, 0.0)
+        ]
         return sorted(leaders + ranking[len(leaders) :], key=lambda r: -r.evidence)
 
     def _model(self, effects: tuple[Ranked, ...], fit: Fit, base: Fit) -> Model:
@@ -176,7 +178,9 @@ class Judge:
             if odd
             else "the re-fitted base robot explains the recordings to within their noise"
         )
-        return Decision(outcome, reason, self.engine, base, plain, tuple(ranking), (), location, bank, self.seconds)
+        return Decision(
+            outcome, reason, self.engine, base, plain, tuple(ranking), (), location, bank, self.seconds
+        )
 
     def _judge(self, model: Model) -> tuple[Outcome, str]:
         """Pass the model through the gates."""
@@ -187,7 +191,10 @@ class Judge:
                 f"{100 * left.share:.0f} % of what it explains)"
             )
         if model.gains and (sum(model.gains) <= 0.0 or min(model.gains) < WORST_RECORDING):
-            return "unexplained", "the best explanation does not predict a recording that it was not fitted on"
+            return (
+                "unexplained",
+                "the best explanation does not predict a recording that it was not fitted on",
+            )
         return "explained", "detected, adequate and useful"
 
 
@@ -217,13 +224,26 @@ def smallest_sizes(decision: Decision, threshold: float) -> dict[str, tuple[str,
             continue
         hypothesis = next(hypotheses_of(effect, len(decision.engine.simulators)))
         changes = declared_starts(hypothesis)[0]
-        x = project(bank.prober.residual, bank.prober.columns(with_values(decision.base.values, changes)))[:, 0]
+        x = project(bank.prober.residual, bank.prober.columns(with_values(decision.base.values, changes)))[
+            :, 0
+        ]
         power = float(x @ x)
         if power <= 0.0:
             continue
         amplitude = float(np.sqrt((threshold + np.log(decision.engine.count)) / power))
-        name = next((n for n in hypothesis.names if effect.parameter(n).strength and changes[f"{effect.name}.{n}"] != effect.parameter(n).null), "")
+        name = next(
+            (
+                n
+                for n in hypothesis.names
+                if effect.parameter(n).strength and changes[f"{effect.name}.{n}"] != effect.parameter(n).null
+            ),
+            "",
+        )
         if name:
             p = effect.parameter(name)
-            found[effect.name] = (name, p.null + amplitude * (changes[f"{effect.name}.{name}"] - p.null), p.unit)
+            found[effect.name] = (
+                name,
+                p.null + amplitude * (changes[f"{effect.name}.{name}"] - p.null),
+                p.unit,
+            )
     return found

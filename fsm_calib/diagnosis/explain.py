@@ -158,14 +158,20 @@ def located(decision: Decision) -> Located:
         numbers = estimates(ranked, decision.model.fit)
         channels += [c for c in effect.channels if c == "sensor" and c not in channels]
         if effect.scan == "place":
-            size = numbers.get("radius") or Estimate(min(numbers["half_x"].value, numbers["half_y"].value), math.nan, "m")
+            size = numbers.get("radius") or Estimate(
+                min(numbers["half_x"].value, numbers["half_y"].value), math.nan, "m"
+            )
             place = {"x": numbers["x"].value, "y": numbers["y"].value, "radius": size.value}
         if effect.scan == "time":
             start = numbers["start"].value
             length = numbers["duration"].value if "duration" in numbers else effect.parameter("duration").null
             when = ((round(start, 3), round(start + length, 3)),)
-    channels = channels or list(registry()[decision.model.effects[0].name].channels if decision.model.effects else ())
-    return Located(tuple(channels), when, place, decision.location.states, _regime(decision), decision.location.p_value)
+    channels = channels or list(
+        registry()[decision.model.effects[0].name].channels if decision.model.effects else ()
+    )
+    return Located(
+        tuple(channels), when, place, decision.location.states, _regime(decision), decision.location.p_value
+    )
 
 
 def _regime(decision: Decision) -> str:

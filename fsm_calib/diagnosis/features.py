@@ -162,7 +162,9 @@ def _world(s: Situation, basis: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def feature_groups(situations: list[Situation]) -> list[Group]:
     """Return all groups for the recordings of one robot."""
-    limit = max(float(np.max(np.abs(np.concatenate([s.left, s.right])))) for s in situations for s in [s]) or 1.0
+    limit = (
+        max(float(np.max(np.abs(np.concatenate([s.left, s.right])))) for s in situations for s in [s]) or 1.0
+    )
     commands = np.linspace(-limit, limit, 9)
     speed = max(float(np.quantile(np.abs(s.v), 0.98)) for s in situations) or 0.1
     spin = max(float(np.quantile(np.abs(s.omega), 0.98)) for s in situations) or 0.1
@@ -261,5 +263,9 @@ def _since(s: Situation) -> FloatArray:
 
 def _phase(s: Situation, knots: FloatArray) -> FloatArray:
     window = hats(s.time, knots)
-    wheels = [(f(s.roll[:, i]) * (s.v - (1 - 2 * i) * s.half * s.omega))[:, None] * window for i in range(2) for f in (np.cos, np.sin)]
+    wheels = [
+        (f(s.roll[:, i]) * (s.v - (1 - 2 * i) * s.half * s.omega))[:, None] * window
+        for i in range(2)
+        for f in (np.cos, np.sin)
+    ]
     return np.hstack(wheels)

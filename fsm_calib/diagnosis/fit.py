@@ -239,7 +239,12 @@ class Engine:
         return normal, gradient
 
     def _step(
-        self, normal: FloatArray, gradient: FloatArray, damping: float, slots: Sequence[Slot], numbers: FloatArray
+        self,
+        normal: FloatArray,
+        gradient: FloatArray,
+        damping: float,
+        slots: Sequence[Slot],
+        numbers: FloatArray,
     ) -> FloatArray:
         """Return the numbers after one damped step inside the bounds; what a bound stops is taken out and solved again."""
         low = np.array([slot.low for slot in slots])
@@ -256,7 +261,9 @@ class Engine:
 
     def at_noise(self, fit: Fit, noise: Noise) -> Fit:
         """Return the same parameters under another noise."""
-        return replace(fit, noise=noise, log_likelihood=self.log_likelihood(self.whiteners(noise), fit.simulated))
+        return replace(
+            fit, noise=noise, log_likelihood=self.log_likelihood(self.whiteners(noise), fit.simulated)
+        )
 
     def refit_noise(self, fit: Fit, names: Sequence[int], steps: int = 3) -> Fit:
         """Return the same parameters with the likeliest noise."""

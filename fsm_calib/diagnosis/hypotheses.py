@@ -51,7 +51,9 @@ class Start:
 def catalogue(without: Iterable[str] = (), base_lacks: Iterable[str] = ()) -> list[Effect]:
     """Return the candidate effects: the registry without those named, and without those that the base robot has."""
     left_out, lacks = set(without), set(base_lacks)
-    return [e for e in registry().values() if e.name not in left_out and (e.family != "base" or e.name in lacks)]
+    return [
+        e for e in registry().values() if e.name not in left_out and (e.family != "base" or e.name in lacks)
+    ]
 
 
 def variants(effect: Effect) -> tuple[tuple[str, ...], ...]:
@@ -99,7 +101,9 @@ def declared_starts(hypothesis: Hypothesis) -> list[dict[str, float]]:
 def _only_strength(effect: Effect, hypothesis: Hypothesis, name: str) -> bool:
     """Return whether `name` is the first strength of the hypothesis: it must not start at its null value."""
     strengths = [n for n in hypothesis.names if effect.parameter(n).strength]
-    declared = [n for n in strengths if any(x != effect.parameter(n).null for x in effect.parameter(n).starts)]
+    declared = [
+        n for n in strengths if any(x != effect.parameter(n).null for x in effect.parameter(n).starts)
+    ]
     return not declared and strengths[:1] == [name]
 
 
@@ -140,13 +144,19 @@ class Prober:
         effect = registry()[hypothesis.effect]
         values = with_values(self.parent.values, changes, hypothesis.run)
         amplitude, promise = self.amplitude(self.columns(values))
-        two_sided = any(effect.parameter(n).low < effect.parameter(n).null for n in effect.strengths if n in hypothesis.names)
+        two_sided = any(
+            effect.parameter(n).low < effect.parameter(n).null
+            for n in effect.strengths
+            if n in hypothesis.names
+        )
         if amplitude < 0 and not two_sided:
             return Start(values, 0.0)
         scale = float(np.sign(amplitude) * np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE))
         return Start(with_values(values, scaled(effect, changes, scale), hypothesis.run), abs(promise))
 
-    def best_starts(self, hypothesis: Hypothesis, choices: Sequence[Mapping[str, float]], keep: int) -> list[Start]:
+    def best_starts(
+        self, hypothesis: Hypothesis, choices: Sequence[Mapping[str, float]], keep: int
+    ) -> list[Start]:
         """Return the most promising starts; numbers that belong to a recording are chosen for each by itself."""
         starts = [self.start(hypothesis, choice) for choice in choices]
         own = [n for n in hypothesis.names if registry()[hypothesis.effect].parameter(n).per_recording]

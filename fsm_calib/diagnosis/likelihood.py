@@ -116,7 +116,9 @@ def fit_noise(
     here = origin[free].copy()
     now = terms(here)
     for _ in range(steps):
-        scores = np.column_stack([(terms(here + LOG_STEP * unit) - now) / LOG_STEP for unit in np.eye(len(free))])
+        scores = np.column_stack(
+            [(terms(here + LOG_STEP * unit) - now) / LOG_STEP for unit in np.eye(len(free))]
+        )
         gradient = scores.sum(axis=0) - (here - origin[free]) / PRIOR_SPREAD**2
         centred = scores - scores.mean(axis=0)  # far from the top the mean score would shorten the steps
         curvature = centred.T @ centred + np.eye(len(free)) / PRIOR_SPREAD**2

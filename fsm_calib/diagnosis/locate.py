@@ -138,7 +138,9 @@ def _when(residual: Residual, situations: list[Situation]) -> tuple[tuple[float,
         count = int(p.scored.sum())
         psi = residual.psi[begin : begin + count]
         begin += count
-        second = np.broadcast_to(np.floor((p.time - p.time[0]) / BIN).astype(int)[:, None], p.scored.shape)[p.scored]
+        second = np.broadcast_to(np.floor((p.time - p.time[0]) / BIN).astype(int)[:, None], p.scored.shape)[
+            p.scored
+        ]
         energy = np.bincount(second, psi**2)
         number = np.bincount(second)
         level = float(np.median(energy[number > 0] / number[number > 0]))
@@ -157,7 +159,9 @@ def _when(residual: Residual, situations: list[Situation]) -> tuple[tuple[float,
     return best[1]
 
 
-def _where(tests: Sequence[LeftOver], situations: list[Situation], threshold: float) -> dict[str, float] | None:
+def _where(
+    tests: Sequence[LeftOver], situations: list[Situation], threshold: float
+) -> dict[str, float] | None:
     """Return the centre of the strongest place function when place is the most surprising thing."""
     from fsm_calib.diagnosis.features import PLACE_PITCH, place_centres
 
@@ -178,7 +182,10 @@ def _states(residual: Residual, situations: list[Situation], engine: Engine) -> 
     names = sorted({name for row in rows for name in row if name})
     found = []
     for name in names:
-        blocks = [_state_columns(s, np.array([r == name for r in row])) for s, row in zip(situations, rows, strict=True)]
+        blocks = [
+            _state_columns(s, np.array([r == name for r in row]))
+            for s, row in zip(situations, rows, strict=True)
+        ]
         x = project(residual, blocks)
         gram = x.T @ x + 1e-9 * np.eye(x.shape[1])
         score = x.T @ residual.psi

@@ -48,5 +48,7 @@ class Noise:
 
 
 NOISE_NAMES = tuple(field.name for field in fields(Noise))
-SMALLEST_NOISE = np.array([2e-4, 5e-4, 5e-4, 3e-4, 5e-3, SHORTEST_MEMORY, 2e-3, 1e-3, 0.02])  # by field, same units
+SMALLEST_NOISE = np.array(
+    [2e-4, 5e-4, 5e-4, 3e-4, 5e-3, SHORTEST_MEMORY, 2e-3, 1e-3, 0.02]
+)  # by field, same units
 LARGEST_NOISE = np.array([0.3, 0.5, 0.5, 0.5, 5.0, LONGEST_MEMORY, 0.5, 2.0, 0.9])

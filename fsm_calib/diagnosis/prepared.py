@@ -201,7 +201,9 @@ def unknown_spans(recording: Recording, settings: Settings) -> list[tuple[float,
     ]
 
 
-def _restarts(time: FloatArray, pose_time: FloatArray, recording: Recording, settings: Settings) -> np.ndarray:
+def _restarts(
+    time: FloatArray, pose_time: FloatArray, recording: Recording, settings: Settings
+) -> np.ndarray:
     """Mark the events at which the chain of increments is broken."""
     restart = np.zeros(len(time), dtype=bool)
     restart[0] = True

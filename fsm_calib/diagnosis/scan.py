@@ -80,7 +80,10 @@ class Scanner:
         promise, amplitude = self.scores(blocks, 1)
         promise = np.where(amplitude[:, 0] > 0, promise, 0.0)
         names = ("x", "y", "half_x", "half_y")
-        found = [Candidate({f"rough_floor_patch.{n}": v for n, v in zip(names, b, strict=True)}, p) for b, p in zip(boxes, promise, strict=True)]
+        found = [
+            Candidate({f"rough_floor_patch.{n}": v for n, v in zip(names, b, strict=True)}, p)
+            for b, p in zip(boxes, promise, strict=True)
+        ]
         return _apart(found, "rough_floor_patch")
 
     def slippery_areas(self) -> list[Candidate]:
@@ -89,7 +92,10 @@ class Scanner:
         blocks = [_slip_columns(s, discs) for s in self.situations]
         promise, _ = self.scores(blocks, 3)
         names = ("x", "y", "radius")
-        found = [Candidate({f"low_friction_patch.{n}": v for n, v in zip(names, d, strict=True)}, p) for d, p in zip(discs, promise, strict=True)]
+        found = [
+            Candidate({f"low_friction_patch.{n}": v for n, v in zip(names, d, strict=True)}, p)
+            for d, p in zip(discs, promise, strict=True)
+        ]
         return _apart(found, "low_friction_patch")
 
     def markers(self) -> list[Candidate]:
@@ -97,7 +103,9 @@ class Scanner:
         table = parameter_table()
         discs = [(x, y, r) for r in DISC_RADII for x, y in self.places()]
         blocks = []
-        for simulator, before, values in zip(self.simulators, self.parent.simulated, self.parent.values, strict=True):
+        for simulator, before, values in zip(
+            self.simulators, self.parent.simulated, self.parent.values, strict=True
+        ):
             block = np.zeros((*before.shape, len(discs)))
             for i, disc in enumerate(discs):
                 vector = values.copy()
@@ -132,7 +140,10 @@ class Scanner:
         cells = np.zeros((*column.shape, len(edges) - 1))
         index = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, len(edges) - 2)
         cells[np.arange(len(time)), :, index] = column
-        blocks = [cells if i == run else np.zeros((*f.shape, cells.shape[2])) for i, f in enumerate(self.parent.simulated)]
+        blocks = [
+            cells if i == run else np.zeros((*f.shape, cells.shape[2]))
+            for i, f in enumerate(self.parent.simulated)
+        ]
         x = project(self.residual, blocks)
         score, gram = np.r_[0.0, np.cumsum(x.T @ self.residual.psi)], np.zeros((len(edges), len(edges)))
         gram[1:, 1:] = np.cumsum(np.cumsum(x.T @ x, axis=0), axis=1)
@@ -153,7 +164,10 @@ class Scanner:
         for run, s in enumerate(self.situations):
             starts = np.arange(max(s.time[0], 0.0) + 0.5, s.time[-1] - 1.0, PUSH_STEP)
             own = _kick_columns(s, starts)
-            blocks = [own if i == run else np.zeros((*f.shape, own.shape[2])) for i, f in enumerate(self.parent.simulated)]
+            blocks = [
+                own if i == run else np.zeros((*f.shape, own.shape[2]))
+                for i, f in enumerate(self.parent.simulated)
+            ]
             promise, amplitude = self.scores(blocks, 3)
             for b in _peaks(promise, starts):
                 heading = float(np.interp(starts[b], s.time, s.heading))
@@ -172,7 +186,9 @@ def _apart(found: list[Candidate], name: str) -> list[Candidate]:
     kept: list[Candidate] = []
     for c in sorted(found, key=lambda c: -c.promise):
         here = np.array([c.changes[f"{name}.x"], c.changes[f"{name}.y"]])
-        if all(np.hypot(*(here - [k.changes[f"{name}.x"], k.changes[f"{name}.y"]])) > 1.5 * PITCH for k in kept):
+        if all(
+            np.hypot(*(here - [k.changes[f"{name}.x"], k.changes[f"{name}.y"]])) > 1.5 * PITCH for k in kept
+        ):
             kept.append(c)
         if len(kept) == KEEP:
             break
@@ -218,7 +234,9 @@ def _slip_columns(s: Situation, discs: Sequence[tuple[float, float, float]]) -> 
 
 def _kick_columns(s: Situation, starts: FloatArray) -> FloatArray:
     """Return three columns a start: a speed error of 1 m/s forward, sideways, at the rim, fading after the push."""
-    shape = np.clip((s.time[:, None] - starts) / PUSH_LENGTH, 0.0, 1.0) * np.exp(-np.maximum(s.time[:, None] - starts - PUSH_LENGTH, 0.0) / 0.1)
+    shape = np.clip((s.time[:, None] - starts) / PUSH_LENGTH, 0.0, 1.0) * np.exp(
+        -np.maximum(s.time[:, None] - starts - PUSH_LENGTH, 0.0) / 0.1
+    )
     out = np.zeros((len(s.dt), 5, 3 * len(starts)))
     out[:, :, 0::3] = _column(s, forward=shape)
     out[:, :, 1::3] = _column(s, lateral=shape)

@@ -17,7 +17,9 @@ from fsm_calib.world2d.observation import observe, robot_time
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive, simulate_many
 
-NOMINAL_WHEEL_RATE = 20.0  # rad/s at command 1: Duckietown DB18 on its nominal battery (27 is the unloaded motor)
+NOMINAL_WHEEL_RATE = (
+    20.0  # rad/s at command 1: Duckietown DB18 on its nominal battery (27 is the unloaded motor)
+)
 LEAD_TIME = 1.2  # s simulated before the first event, so that a delayed command and a moving start are known
 GRID_STEP = 0.01  # s between stored states; cubic interpolation in between
 LOWEST_INPUT_LAG = 0.005  # s: measured wheel speeds need no motor

@@ -55,7 +55,9 @@ def lone_spikes(time: FloatArray, value: FloatArray) -> np.ndarray:
     return spikes
 
 
-def smooth_track(time: FloatArray, x: FloatArray, y: FloatArray, theta: FloatArray, at: FloatArray) -> SmoothTrack:
+def smooth_track(
+    time: FloatArray, x: FloatArray, y: FloatArray, theta: FloatArray, at: FloatArray
+) -> SmoothTrack:
     """Return the likeliest constant-velocity smoothing of a measured path, given at the times `at` [s].
 
     time [s], x, y [m], theta [rad, unwrapped]: shape (n,). Noise is taken from the differences of neighbours and
@@ -76,7 +78,9 @@ def chord_noise(time: FloatArray, value: FloatArray) -> float:
     return max(quartile / 0.3186 / np.sqrt(1.5), 1e-6)
 
 
-def _smooth_best(time: FloatArray, value: FloatArray, at: FloatArray, scale: float) -> tuple[FloatArray, FloatArray, float]:
+def _smooth_best(
+    time: FloatArray, value: FloatArray, at: FloatArray, scale: float
+) -> tuple[FloatArray, FloatArray, float]:
     noise = chord_noise(time, value)
     scores = [_forward(time, value, noise, scale * density)[0] for density in ACCELERATION_DENSITIES]
     density = scale * ACCELERATION_DENSITIES[int(np.argmax(scores))]

@@ -123,7 +123,10 @@ def _number(value: float) -> float | None:
 
 
 def _estimates(estimates: dict[str, Estimate]) -> dict[str, Any]:
-    return {name: {"value": _number(e.value), "sd": _number(e.sd), "unit": e.unit} for name, e in estimates.items()}
+    return {
+        name: {"value": _number(e.value), "sd": _number(e.sd), "unit": e.unit}
+        for name, e in estimates.items()
+    }
 
 
 def _triple(triple: ErrorTriple | None) -> dict[str, Any] | None:

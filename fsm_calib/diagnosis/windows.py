@@ -48,7 +48,9 @@ def prediction_windows(prepared: Prepared, noise: Noise, simulated: FloatArray) 
         p.dt, p.rotation, p.step[:, :2].copy(), p.moving, p.seen, p.restart, noise.vector(), p.geometry,
         np.ascontiguousarray(simulated - p.step)[:, :, None], p.y, starts, ends,
     )  # fmt: skip
-    floor = np.column_stack([_median_radius(spread[:, 0], spread[:, 1]), NORMAL_MEDIAN * np.sqrt(spread[:, 2])])
+    floor = np.column_stack(
+        [_median_radius(spread[:, 0], spread[:, 1]), NORMAL_MEDIAN * np.sqrt(spread[:, 2])]
+    )
     return Windows(p.time[ends], error, floor)
 
 
@@ -60,7 +62,11 @@ def window_places(prepared: Prepared) -> tuple[np.ndarray, np.ndarray]:
     starts = poses[np.minimum(np.searchsorted(time[poses], wanted), len(poses) - 1)]
     ends = poses[np.minimum(np.searchsorted(time[poses], time[starts] + horizon), len(poses) - 1)]
     breaks = np.cumsum(prepared.restart)
-    whole = (breaks[starts] == breaks[ends]) & (np.abs(time[ends] - time[starts] - horizon) < 0.15) & (starts < ends)
+    whole = (
+        (breaks[starts] == breaks[ends])
+        & (np.abs(time[ends] - time[starts] - horizon) < 0.15)
+        & (starts < ends)
+    )
     pairs = np.unique(np.column_stack([starts, ends])[whole], axis=0)
     return pairs[:, 0], pairs[:, 1]
 
@@ -70,7 +76,9 @@ def median_error(windows: Sequence[Windows]) -> HorizonError:
     error = np.vstack([w.error for w in windows])
     if not len(error):
         return HorizonError(float("nan"), float("nan"))
-    return HorizonError(float(np.median(np.hypot(error[:, 0], error[:, 1]))), float(np.median(np.abs(error[:, 2]))))
+    return HorizonError(
+        float(np.median(np.hypot(error[:, 0], error[:, 1]))), float(np.median(np.abs(error[:, 2])))
+    )
 
 
 def median_floor(windows: Sequence[Windows]) -> HorizonError:

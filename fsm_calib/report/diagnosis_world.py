@@ -10,7 +10,6 @@ from fsm_calib.diagnosis.diagnose import Diagnosis
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
-
 FITTED_BASE = ("axle_length", "tau_forward", "tau_turn")
 """What a fit finds of the base robot beside the wheels' gains, which become wheel ratio and speed."""
 
