@@ -22,7 +22,12 @@ ROOMS = {
     "diagnosis": GROUND | {"recording", "world2d"},
 }
 COMPOSERS = {"scenario", "runner", "journal", "report", "study", "cli"}
-HOMES = {"pymunk": {"world2d"}, "transitions": {"machines"}, "cv2": {"perception", "world2d"}, "rosbags": {"recording"}}
+HOMES = {
+    "pymunk": {"world2d"},
+    "transitions": {"machines"},
+    "cv2": {"perception", "world2d"},
+    "rosbags": {"recording"},
+}
 
 
 def room_of(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""Identification of real robots, against what their publishers found (the recordings lie outside the repository)."""
+"""Identification of real robots, against what their publishers found (recordings lie outside the repository)."""
 
 import json
 

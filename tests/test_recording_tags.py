@@ -77,5 +77,5 @@ def test_map_of_tags_is_read(tmp_path):
 
 def test_file_that_is_no_map_of_tags_is_refused(tmp_path):
     (tmp_path / "tags.yaml").write_text("tags: {300: {x: 1}}\n")
-    with pytest.raises(InputError, match="tags.yaml:1"):
+    with pytest.raises(InputError, match=r"tags\.yaml:1"):
         read_tag_map(tmp_path / "tags.yaml")
