@@ -75,7 +75,7 @@ def test_columns(residual: Residual, group: Group, x: FloatArray) -> LeftOver:
     scale = variance / (2.0 * mean)
     log_p = float(chi2.logsf(float(scores @ scores) / scale, mean / scale))
     ridge = 1e-3 * mean / len(gram)
-    coefficients = np.linalg.solve(gram + ridge * np.eye(len(gram)), scores)
+    coefficients = np.asarray(np.linalg.solve(gram + ridge * np.eye(len(gram)), scores), dtype=float)
     gain = 0.5 * float(scores @ coefficients) - 0.5 * len(gram)
     return LeftOver(group, -log_p / np.log(10.0), gain, coefficients)
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from fsm_calib.diagnosis.bank import Ranked
 from fsm_calib.diagnosis.decide import Decision, smallest_sizes
 from fsm_calib.diagnosis.fit import ALL_RUNS, Fit
@@ -19,7 +17,10 @@ from fsm_calib.world2d.parameters import parameter_table
 
 TEMPER = 3.0  # evidence gaps are divided by it: inexact equations make likelihoods over-confident (development seeds)
 GENERAL_DOUBT = 0.02  # share of names that were wrong on the development seeds for no visible reason
-MANOEUVRE_MENU = "straights at three speeds both ways, spins at three rates, a slalom, and the suspected place on two headings"
+MANOEUVRE_MENU = (
+    "straights at three speeds both ways, spins at three rates, a slalom, "
+    "and the suspected place on two headings"
+)
 
 
 def verdict_of(
@@ -72,11 +73,13 @@ def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
 def base_estimates(fit: Fit) -> dict[str, Estimate]:
     """Return the base robot's fitted numbers."""
     table = parameter_table()
-    return {
-        table.names[s.place]: Estimate(float(fit.values[0, s.place]), float(np.sqrt(max(fit.covariance[j, j], 0.0))), table.entries[s.place].unit)
-        for j, s in enumerate(fit.slots)
-        if table.owner[s.place] == ""
-    }  # fmt: skip
+    found = {}
+    for j, slot in enumerate(fit.slots):
+        if table.owner[slot.place] == "":
+            spread = math.sqrt(max(float(fit.covariance[j, j]), 0.0))
+            value, unit = float(fit.values[0, slot.place]), table.entries[slot.place].unit
+            found[table.names[slot.place]] = Estimate(value, spread, unit)
+    return found
 
 
 def sentence(effect: Effect, numbers: dict[str, Estimate]) -> str:
@@ -139,7 +142,8 @@ def next_manoeuvre(decision: Decision, sets: tuple[tuple[str, ...], ...]) -> str
     """Return the drive that would settle what is open."""
     if sets:
         first, *others = sets[0]
-        return f"To tell {first} from {' or '.join(others)}: {registry()[first].manoeuvre} ({registry()[first].separates})."
+        effect = registry()[first]
+        return f"To tell {first} from {' or '.join(others)}: {effect.manoeuvre} ({effect.separates})."
     if decision.outcome == "explained":
         return f"To confirm: {registry()[decision.model.effects[0].name].manoeuvre}."
     if decision.outcome == "unexplained":

@@ -92,7 +92,8 @@ def situation(simulator: Simulator, values: FloatArray) -> Situation:
         x=p.reference[:, 0], y=p.reference[:, 1], heading=p.reference[:, 2], age=age,
         jump_v=0.5 * (jump_l + jump_r) * simulator.full_speed,
         jump_w=(jump_r - jump_l) * simulator.full_speed / (2 * half),
-        travel=np.interp(middle, time, _travel(states[:, 3])), roll=np.column_stack([at(states[:, 6]), at(states[:, 7])]),
+        travel=np.interp(middle, time, _travel(states[:, 3])),
+        roll=np.column_stack([at(states[:, 6]), at(states[:, 7])]),
         half=half,
     )  # fmt: skip
 
@@ -171,7 +172,8 @@ def feature_groups(situations: list[Situation]) -> list[Group]:
     centres = place_centres(situations, PLACE_PITCH)
     end = max(float(s.time[-1]) for s in situations)
     slow = np.linspace(0.0, end, max(3, int(end / TIME_PITCH)))
-    turns = np.linspace(*np.quantile(np.concatenate([s.heading for s in situations]), [0.0, 1.0]), 7)
+    headings = np.concatenate([s.heading for s in situations])
+    turns = np.linspace(float(headings.min()), float(headings.max()), 7)
     moving = _moving
     recipes: list[tuple[str, str, Channelled, Maker]] = [
         ("forward", "command level", _forward, lambda s: hats(0.5 * (s.left + s.right), commands)),
@@ -180,8 +182,8 @@ def feature_groups(situations: list[Situation]) -> list[Group]:
         ("right wheel", "command level", _right, lambda s: hats(s.right, commands)),
         ("forward", "other wheel", _forward, lambda s: hats(s.left, commands) * np.sign(s.right)[:, None]),
         ("lateral", "fast turns", _lateral, lambda s: np.column_stack([s.v, s.v * s.omega, s.omega, s.spin * 0.1])),
-        ("turn", "speed and turning", _turn, lambda s: np.hstack([hats(s.omega, np.linspace(-spin, spin, 7)), hats(s.omega * np.abs(s.v), np.linspace(-spin * speed, spin * speed, 5))])),
-        ("forward", "speed and turning", _forward, lambda s: np.hstack([hats(s.v, np.linspace(-speed, speed, 9)), hats(np.abs(s.omega), np.linspace(0, spin, 5)) * np.sign(s.v)[:, None]])),
+        ("turn", "speed and turning", _turn, lambda s: _turning(s, speed, spin)),
+        ("forward", "speed and turning", _forward, lambda s: _driving(s, speed, spin)),
         ("forward", "place", _forward, lambda s: _bumps(s, centres) * (np.tanh(s.v / 0.02))[:, None]),
         ("turn", "place", _turn, lambda s: _bumps(s, centres) * (np.tanh(s.omega * s.half / 0.01))[:, None]),
         ("lateral", "place", _lateral, lambda s: _bumps(s, centres) * moving(s)[:, None]),
@@ -201,7 +203,7 @@ def feature_groups(situations: list[Situation]) -> list[Group]:
         ("turn", "heading turned", _turn, lambda s: hats(s.heading, turns) * moving(s)[:, None]),
         ("forward", "wheel phase", _forward, lambda s: _phase(s, slow)),
         ("turn", "wheel phase", _turn, lambda s: _phase(s, slow)),
-        ("forward", "moment", _forward, lambda s: _world(s, hats(s.time, np.arange(0.0, end, FAST_PITCH)) * moving(s)[:, None])[0]),
+        ("forward", "moment", _forward, lambda s: _gusts(s, end)),
     ]  # fmt: skip
     return [_group(situations, *recipe) for recipe in recipes]
 
@@ -247,6 +249,23 @@ def hats_xy(s: Situation, centres: FloatArray) -> FloatArray:
     """Return a constant and linear functions of place, scaled to the visited field, shape (n, 3)."""
     middle, reach = centres.mean(axis=0), max(float(np.ptp(centres, axis=0).max()) / 2, PLACE_PITCH)
     return np.column_stack([np.ones(len(s.x)), (s.x - middle[0]) / reach, (s.y - middle[1]) / reach])
+
+
+def _turning(s: Situation, speed: float, spin: float) -> FloatArray:
+    """Return functions of the yaw rate and of its product with the speed."""
+    product = hats(s.omega * np.abs(s.v), np.linspace(-spin * speed, spin * speed, 5))
+    return np.hstack([hats(s.omega, np.linspace(-spin, spin, 7)), product])
+
+
+def _driving(s: Situation, speed: float, spin: float) -> FloatArray:
+    """Return functions of the speed and of the yaw rate's size, which changes sign with the direction."""
+    turning = hats(np.abs(s.omega), np.linspace(0, spin, 5)) * np.sign(s.v)[:, None]
+    return np.hstack([hats(s.v, np.linspace(-speed, speed, 9)), turning])
+
+
+def _gusts(s: Situation, end: float) -> FloatArray:
+    """Return the forward part of world-fixed speeds, each for a moment."""
+    return _world(s, hats(s.time, np.arange(0.0, end, FAST_PITCH)) * _moving(s)[:, None])[0]
 
 
 def _harmonics(heading: FloatArray) -> FloatArray:

@@ -163,7 +163,7 @@ class Engine:
         return np.concatenate([w.residual(s) for w, s in zip(whiteners, simulated, strict=True)])
 
     def white_columns(self, whiteners: Sequence[Whitener], columns: Sequence[FloatArray]) -> FloatArray:
-        """Return whitened Jacobian columns of all recordings, shape (N, m): derivatives of the residual, sign reversed."""
+        """Return whitened Jacobian columns of all recordings, shape (N, m): minus the residual's derivatives."""
         return -np.vstack([_nonzero_columns(w, c) for w, c in zip(whiteners, columns, strict=True)])
 
     def fit(
@@ -222,7 +222,7 @@ class Engine:
         elif first and known:
             raw = tuple(np.concatenate([k, r], axis=2) for k, r in zip(known, raw, strict=True))
         prior = _prior(slots, numbers)
-        covariance = np.linalg.pinv(normal, hermitian=True)
+        covariance: FloatArray = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=float)
         return Fit(values, slots, noise, here - prior, prior, covariance, simulated, raw)
 
     def _normal(
@@ -246,7 +246,7 @@ class Engine:
         slots: Sequence[Slot],
         numbers: FloatArray,
     ) -> FloatArray:
-        """Return the numbers after one damped step inside the bounds; what a bound stops is taken out and solved again."""
+        """Return the numbers after one damped step inside the bounds; what a bound stops is taken out."""
         low = np.array([slot.low for slot in slots])
         high = np.array([slot.high for slot in slots])
         free = ~(((numbers <= low) & (gradient < 0)) | ((numbers >= high) & (gradient > 0)))

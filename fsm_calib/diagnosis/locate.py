@@ -25,6 +25,22 @@ SIGNIFICANT = 0.01
 STATE_SURPRISE = 3.0  # -log10 p of a state before the correction for their number
 BIN = 1.0  # s
 BIN_SURPRISE = 4.0  # -log10 p of a second: 120 seconds are looked at
+REGIME_WORDS = {
+    "command level": "depends on the command",
+    "other wheel": "depends on both wheels' directions",
+    "fast turns": "turning",
+    "speed and turning": "depends on speed",
+    "place": "at a place",
+    "place and heading": "depends on heading and place",
+    "heading": "depends on heading",
+    "heading and speed": "depends on heading",
+    "time": "changes with time",
+    "after a command": "after a command changes",
+    "after a reversal": "after a reversal",
+    "heading turned": "depends on turns made",
+    "wheel phase": "once per wheel turn",
+    "moment": "at moments",
+}
 CHANNELS = {"left wheel": ("forward", "turn"), "right wheel": ("forward", "turn")}
 
 
@@ -118,15 +134,7 @@ def _regime(strong: Sequence[LeftOver], situations: list[Situation]) -> str:
     if not strong:
         return ""
     names = list(dict.fromkeys(test.group.regime for test in strong[:3]))
-    words = {
-        "command level": "depends on the command", "other wheel": "depends on both wheels' directions",
-        "fast turns": "turning", "speed and turning": "depends on speed", "place": "at a place",
-        "place and heading": "depends on heading and place", "heading": "depends on heading",
-        "heading and speed": "depends on heading", "time": "changes with time", "after a command": "after a command changes",
-        "after a reversal": "after a reversal", "heading turned": "depends on turns made", "wheel phase": "once per wheel turn",
-        "moment": "at moments",
-    }  # fmt: skip
-    return ", ".join(words.get(name, name) for name in names)
+    return ", ".join(REGIME_WORDS.get(name, name) for name in names)
 
 
 def _when(residual: Residual, situations: list[Situation]) -> tuple[tuple[float, float], ...]:

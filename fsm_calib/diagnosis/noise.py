@@ -1,8 +1,8 @@
 """The noise of a recording: what blurs a pose, and what shoves the robot about.
 
-Tag noise is white or an AR(1) sequence. Random forces make the robot's speeds differ from the equations' by an Ornstein-Uhlenbeck
-process in forward, sideways and turning speed, which acts only while the robot moves. Both are estimated, for
-every hypothesis anew: tag noise sets the error of one frame, speed noise the error that grows with time.
+Tag noise is white or an AR(1) sequence. Random forces make the robot's speeds differ from the equations' by an
+Ornstein-Uhlenbeck process in forward, sideways and turning speed, which acts only while the robot moves. Both are
+estimated, for every hypothesis anew: tag noise sets the error of one frame, speed noise what grows with time.
 Source: Kristensen, Madsen & Jorgensen, Comput. Chem. Eng. 28 (2004) 1431 (process and measurement noise apart).
 """
 

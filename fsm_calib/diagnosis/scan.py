@@ -116,10 +116,12 @@ class Scanner:
                 block[:, :, i] = (moved - before) / MARKER_TURN
             blocks.append(block)
         promise, amplitude = self.scores(blocks, 1)
+        names = [f"misplaced_marker.{n}" for n in ("turn", "x", "y", "radius")]
+        turns = np.clip(amplitude[:, 0], -1.0, 1.0)
         found = [
-            Candidate({"misplaced_marker.turn": float(np.clip(a[0], -1.0, 1.0)), "misplaced_marker.x": d[0], "misplaced_marker.y": d[1], "misplaced_marker.radius": d[2]}, p)
-            for d, p, a in zip(discs, promise, amplitude, strict=True)
-        ]  # fmt: skip
+            Candidate(dict(zip(names, (float(turn), *disc), strict=True)), gain)
+            for disc, gain, turn in zip(discs, promise, turns, strict=True)
+        ]
         return _apart(found, "misplaced_marker")
 
     def spans(self) -> list[Candidate]:
@@ -151,11 +153,14 @@ class Scanner:
         power = gram[j, j] - gram[i, j] - gram[j, i] + gram[i, i]
         amplitude = (score[j] - score[i]) / np.maximum(power, 1e-12)
         promise = 0.5 * amplitude**2 * power * (np.abs(amplitude) < 1.0) * (np.abs(amplitude) > 0.005)
-        best = np.argsort(-promise)[:1]
-        return [
-            Candidate({f"motor_fault.loss_{side}": float(np.clip(-amplitude[b], -0.4, 0.9)), "motor_fault.start": float(edges[i[b]]), "motor_fault.duration": float(edges[j[b]] - edges[i[b]])}, float(promise[b]), run)
-            for b in best
-        ]  # fmt: skip
+        best = int(np.argmax(promise))
+        begin, end = float(edges[i[best]]), float(edges[j[best]])
+        changes = {
+            f"motor_fault.loss_{side}": float(np.clip(-amplitude[best], -0.4, 0.9)),
+            "motor_fault.start": begin,
+            "motor_fault.duration": end - begin,
+        }
+        return [Candidate(changes, float(promise[best]), run)]
 
     def pushes(self) -> list[Candidate]:
         """Return kicks of one recording."""
@@ -173,7 +178,13 @@ class Scanner:
                 heading = float(np.interp(starts[b], s.time, s.heading))
                 ahead, left, turn = amplitude[b] * [mass, mass, inertia / s.half]
                 c, d = np.cos(heading), np.sin(heading)
-                found.append(Candidate({"external_push.impulse_x": float(np.clip(c * ahead - d * left, -3, 3)), "external_push.impulse_y": float(np.clip(d * ahead + c * left, -3, 3)), "external_push.impulse_turn": float(np.clip(turn, -0.3, 0.3)), "external_push.start": float(starts[b])}, float(promise[b]), run))  # fmt: skip
+                changes = {
+                    "external_push.impulse_x": float(np.clip(c * ahead - d * left, -3, 3)),
+                    "external_push.impulse_y": float(np.clip(d * ahead + c * left, -3, 3)),
+                    "external_push.impulse_turn": float(np.clip(turn, -0.3, 0.3)),
+                    "external_push.start": float(starts[b]),
+                }
+                found.append(Candidate(changes, float(promise[b]), run))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
 
@@ -212,13 +223,13 @@ def _wheel_speeds(s: Situation) -> tuple[FloatArray, FloatArray]:
 def _drag_columns(s: Situation, boxes: Sequence[tuple[float, float, float, float]]) -> FloatArray:
     """Return increments of a unit loss of rim speed on each wheel that stands in a box."""
     b = np.array(boxes)
-    out = 0.0
+    out = np.zeros((len(s.dt), 5, len(boxes)))
     for side, (speed, put) in enumerate(zip(_wheel_speeds(s), (_left, _right), strict=True)):
         arm = s.half if side == 0 else -s.half
         x, y = s.x - arm * np.sin(s.heading), s.y + arm * np.cos(s.heading)
         inside = (np.abs(x[:, None] - b[:, 0]) < b[:, 2]) & (np.abs(y[:, None] - b[:, 1]) < b[:, 3])
-        out = out + put(-1.0 * inside * np.tanh(speed / 0.02)[:, None], s)
-    return np.asarray(out)
+        out += put(-1.0 * inside * np.tanh(speed / 0.02)[:, None], s)
+    return out
 
 
 def _slip_columns(s: Situation, discs: Sequence[tuple[float, float, float]]) -> FloatArray:

@@ -80,7 +80,7 @@ def _bends_poses(vector: FloatArray) -> bool:
 
 @njit(cache=True)
 def mount_and_compose(robot, sensor, out):  # type: ignore[no-untyped-def]
-    """Replace robot increments `out` (n, 5) by those of a sensor whose poses are `sensor` when the robot's are `robot`."""
+    """Replace robot increments `out` (n, 5) by a sensor's whose poses are `sensor` when the robot's are `robot`."""
     n = len(out)
     c = np.empty((n, 3))
     for k in range(n):

@@ -33,7 +33,7 @@ class HorizonError:
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Windows of one recording: end times (w,) [s], errors (w, 3) forward, left [m], turn [rad], their floors (w, 2)."""
+    """Windows of one recording: end times (w,) [s], errors (w, 3) ahead, left [m], turn [rad], floors (w, 2)."""
 
     time: FloatArray
     error: FloatArray
