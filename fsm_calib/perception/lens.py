@@ -22,7 +22,8 @@ INTRINSICS = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", 
 FREE_OF_COEFFICIENTS = {4: tuple(range(8)), 5: tuple(range(9)), 8: tuple(range(12))}
 _NEAREST_DEPTH = 1e-3  # m; a point nearer (or behind) is moved here so that a wild step stays finite
 _WIDEST_RADIUS = 20.0  # 1; tangent of 87 deg, the end of the search for a lens's radius
-_INVERSE_STEPS = 12  # Newton steps of `unproject`; it converges in 4 to 6
+_LONGEST_STEP = 0.3  # 1; a Newton step of `unproject` near a fold goes no farther
+_INVERSE_STEPS = 20  # Newton steps of `unproject`; it converges in 4 to 6
 _RADIUS_STEPS = 4000  # samples of the radial curve up to _WIDEST_RADIUS, 0.005 apart
 
 
@@ -131,14 +132,16 @@ def unproject(vector: FloatArray, image: FloatArray) -> FloatArray:
         error = np.stack([x, y], axis=-1) - distorted
         if float(np.max(np.abs(error), initial=0.0)) < 1e-10:
             break
-        ray = ray - _solve_2x2(derivative, error)
+        step = _solve_2x2(derivative, error)
+        length = np.linalg.norm(step, axis=-1, keepdims=True)
+        ray = ray - step * np.minimum(1.0, _LONGEST_STEP / np.maximum(length, 1e-300))
     return ray
 
 
 def _solve_2x2(matrix: FloatArray, right: FloatArray) -> FloatArray:
     a, b, c, d = matrix[..., 0, 0], matrix[..., 0, 1], matrix[..., 1, 0], matrix[..., 1, 1]
     determinant = a * d - b * c
-    safe = np.where(np.abs(determinant) < 0.02, 0.02, determinant)
+    safe = np.where(np.abs(determinant) < 1e-6, 1e-6, determinant)
     first = d * right[..., 0] - b * right[..., 1]
     second = a * right[..., 1] - c * right[..., 0]
     return np.stack([first, second], axis=-1) / safe[..., None]

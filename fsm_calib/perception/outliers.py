@@ -22,7 +22,8 @@ def kept_corners(residual: FloatArray, kept: FloatArray, settings: SolveSettings
 def bad_views(residual: FloatArray, kept: FloatArray, settings: SolveSettings) -> dict[int, str]:
     """Return the views to drop and why: too many outliers, or far worse than the others."""
     lost = 1.0 - kept.mean(axis=1)
-    rms = np.sqrt(np.mean(corner_distances(residual) ** 2, axis=1))
+    squares = np.where(kept > 0.0, corner_distances(residual), 0.0) ** 2
+    rms = np.sqrt(squares.sum(axis=1) / np.maximum(kept.sum(axis=1), 1.0))
     typical = float(np.median(rms))
     limit = max(settings.worst_ratio * typical, 2.0 * settings.smallest_outlier_px)
     reasons = {}

@@ -25,6 +25,7 @@ from fsm_calib.types import FloatArray
 
 _BLOCK = 8
 _MAD_TO_SIGMA = 0.6745  # median absolute value of a unit normal variable
+_ROUNDING = 1.0 / 12.0  # variance of rounding to whole grey levels; weaker detail is none
 
 
 @lru_cache(maxsize=1)
@@ -58,4 +59,4 @@ def sharpness(image: NDArray[np.uint8]) -> float:
     energy: FloatArray = np.mean(np.square(coefficients), axis=(0, 1), dtype=np.float64)
     strong = float(energy[coarse].sum()) - noise * int(coarse.sum())
     weak = float(energy[fine].sum()) - noise * int(fine.sum())
-    return max(weak, 0.0) / strong if strong > 0.0 else 0.0
+    return max(weak, 0.0) / strong if strong > _ROUNDING * int(coarse.sum()) else 0.0

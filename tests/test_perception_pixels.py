@@ -1,0 +1,267 @@
+"""From pixels to observations, on rendered images whose truth is known: boards, tags, lane, sharpness."""
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+
+import cv2
+import numpy as np
+import pytest
+
+from fsm_calib.errors import DataError
+from fsm_calib.perception.board_order import canonical_order, half_turned
+from fsm_calib.perception.chessboard import find_board, find_boards, inspect_board
+from fsm_calib.perception.corner_bias import curvature_bias
+from fsm_calib.perception.focus import read_focus
+from fsm_calib.perception.ground import floor_points, observe_tags
+from fsm_calib.perception.lane import observe_lane
+from fsm_calib.perception.lens import intrinsics_vector, project
+from fsm_calib.perception.rotations import base_from_camera, mount_from_pose, yaw_rotation
+from fsm_calib.perception.sharpness import block_dct, sharpness
+from fsm_calib.perception.tags import find_tags
+from fsm_calib.perception.tilt import estimate_tilt
+from fsm_calib.types import BoardSpec, CameraMount, Pose2
+from fsm_calib.world2d.camera import Renderer
+from fsm_calib.world2d.fleet import nominal_camera
+from fsm_calib.world2d.layout import calibration_area
+from fsm_calib.world2d.scene import BoardPlacement, SceneSpec
+from fsm_calib.world2d.sensor import SensorSettings, expose
+from fsm_calib.world2d.surfaces import Scene, board_points_world, build_scene, marker_corners_world
+
+CAMERA, BOARD = nominal_camera(), BoardSpec()
+MOUNT = CameraMount(height=0.113, roll=math.radians(0.5))
+CORNER_BAR_PX = 0.1  # rms of corners over a view
+
+
+@lru_cache(maxsize=1)
+def area() -> Scene:
+    return build_scene(calibration_area(), np.random.default_rng(1))
+
+
+ORIGIN = Pose2()
+
+
+def photo(scene: Scene, pose: Pose2 = ORIGIN, seed: int = 0, **sensor: float) -> np.ndarray:
+    light = Renderer(scene, CAMERA, MOUNT).ideal(pose)
+    return expose(light, CAMERA, SensorSettings(**sensor), np.random.default_rng(seed))  # type: ignore[arg-type]
+
+
+def board_scene(*placements: BoardPlacement) -> Scene:
+    return build_scene(SceneSpec(boards=placements), np.random.default_rng(1))
+
+
+def true_corners(placement: BoardPlacement) -> np.ndarray:
+    rotation, position = base_from_camera(MOUNT)
+    return project(intrinsics_vector(CAMERA), (board_points_world(placement) - position) @ rotation)
+
+
+def distance_of(found: np.ndarray, true: np.ndarray) -> float:
+    errors = [np.sqrt(np.mean(np.sum((found - way) ** 2, axis=1))) for way in (true, half_turned(true))]
+    return float(min(errors))
+
+
+PLACEMENTS = {
+    "near": BoardPlacement(BOARD, x=0.35),
+    "far: 10 px squares": BoardPlacement(BOARD, x=0.95, lean=0.2),
+    "leaned and turned": BoardPlacement(BOARD, x=0.5, y=0.1, yaw=math.pi + 0.5, lean=0.6),
+    "flat on the floor": BoardPlacement(BOARD, x=0.37, lean=math.pi / 2.0),
+}
+
+
+@pytest.mark.parametrize("name", PLACEMENTS)
+def test_corners_are_within_a_tenth_of_a_pixel(name: str) -> None:
+    placement = PLACEMENTS[name]
+    view = find_board(photo(board_scene(placement)), BOARD)
+    assert view is not None
+    assert distance_of(view.corners_image, true_corners(placement)) < CORNER_BAR_PX
+
+
+def test_the_tutorials_window_would_ruin_small_squares() -> None:
+    placement = PLACEMENTS["far: 10 px squares"]
+    gray = cv2.cvtColor(photo(board_scene(placement)), cv2.COLOR_BGR2GRAY)
+    true = true_corners(placement)
+    start = true.astype(np.float32).reshape(-1, 1, 2)
+    wide = cv2.cornerSubPix(gray, start, (11, 11), (-1, -1), (3, 30, 0.005)).reshape(-1, 2)
+    assert distance_of(wide, true) > 10.0 * CORNER_BAR_PX
+
+
+def test_two_boards_in_a_frame_are_told_apart_from_left_to_right() -> None:
+    left = BoardPlacement(BOARD, x=0.55, y=0.2, yaw=math.pi + 0.3)
+    right = BoardPlacement(BOARD, x=0.55, y=-0.2, yaw=math.pi - 0.3)
+    views = find_boards(photo(board_scene(right, left)), BOARD)
+    assert [view.board for view in views] == [0, 1]
+    for view, placement in zip(views, (left, right), strict=True):
+        assert distance_of(view.corners_image, true_corners(placement)) < CORNER_BAR_PX
+
+
+def test_a_blurred_board_is_refused_with_its_edge_width() -> None:
+    finding = inspect_board(photo(board_scene(PLACEMENTS["near"]), defocus=4.0), BOARD)
+    assert finding.view is None
+    assert "blurred" in finding.refusal
+    assert finding.edge_width_px > 6.0
+
+
+def test_a_board_that_is_cut_by_the_border_is_refused() -> None:
+    cut = BoardPlacement(BOARD, x=0.4, y=0.38)
+    assert inspect_board(photo(board_scene(cut)), BOARD).view is None
+
+
+@pytest.mark.parametrize(
+    ("image", "reason"),
+    [(np.full((480, 640), 90, np.uint8), "uniform"), (np.full((480, 640, 3), 90, np.uint8), "uniform")],
+)
+def test_an_image_without_contrast_is_named_so(image: np.ndarray, reason: str) -> None:
+    assert reason in inspect_board(image, BOARD).refusal
+
+
+@pytest.mark.parametrize("board", [BoardSpec(7, 5), BoardSpec(9, 6), BoardSpec(8, 6)], ids=str)
+def test_corner_order_is_the_same_whatever_the_detector_returned(board: BoardSpec) -> None:
+    squares = np.add.outer(np.arange(board.rows + 1), np.arange(board.columns + 1)) % 2
+    gray = np.kron(255 * (1 - squares), np.ones((20, 20))).astype(np.uint8)
+    grid = np.mgrid[0 : board.columns, 0 : board.rows].T.reshape(-1, 2) * 20.0 + 19.5
+    table = grid.reshape(board.rows, board.columns, 2)
+    mirrored = table[:, ::-1].reshape(-1, 2)
+    wanted = canonical_order(grid, gray, board)
+    for given in (half_turned(grid), mirrored, half_turned(mirrored)):
+        np.testing.assert_array_equal(canonical_order(given, gray, board), wanted)
+
+
+def test_colours_fix_the_order_of_a_board_that_is_not_ambiguous() -> None:
+    board = BoardSpec(9, 6)
+    squares = np.add.outer(np.arange(7), np.arange(10)) % 2
+    gray = np.kron(255 * (1 - squares), np.ones((20, 20))).astype(np.uint8)
+    grid = np.mgrid[0:9, 0:6].T.reshape(-1, 2) * 20.0 + 19.5
+    upside_down = np.ascontiguousarray(gray[::-1, ::-1])
+    turned = canonical_order(np.array([199.0, 139.0]) - grid, upside_down, board)
+    np.testing.assert_allclose(turned, np.array([199.0, 139.0]) - canonical_order(grid, gray, board))
+
+
+def test_straight_edges_have_no_bias_and_bent_ones_have_the_computed_one() -> None:
+    board = BoardSpec(7, 5)
+    grid = np.mgrid[0:7, 0:5].T.reshape(-1, 2) * 30.0
+    halves = np.full(35, 6)
+    np.testing.assert_allclose(curvature_bias(grid, halves, board), 0.0, atol=1e-12)
+    curvature = 1e-3
+    bent = grid + np.column_stack([np.zeros(35), 0.5 * curvature * (grid[:, 0] - 90.0) ** 2])
+    bias = curvature_bias(bent, halves, board).reshape(5, 7, 2)[2, 3]
+    np.testing.assert_allclose(bias, [0.0, -0.5 * curvature * 0.2537 * 36.0], atol=1e-4)
+
+
+def test_tags_have_the_library_order_and_pixel_centres_at_whole_numbers() -> None:
+    pose = Pose2(area().spec.field.first_x + 0.18, 0.01, math.pi - 0.1)
+    rotation, position = base_from_camera(MOUNT)
+    seen = observe_tags(found := find_tags(photo(area(), pose)), CAMERA, MOUNT)
+    corners = {tag.tag_id: tag.corners_image for tag in found}
+    prints = {marker.tag_id: marker for marker in area().markers}
+    offsets = []
+    for tag in seen[:2]:
+        world = marker_corners_world(prints[tag.tag_id]) - [pose.x, pose.y, 0.0]
+        base = world @ yaw_rotation(pose.theta)
+        true = project(intrinsics_vector(CAMERA), (base - position) @ rotation)
+        offsets.append(corners[tag.tag_id] - true)
+    assert np.abs(np.median(np.concatenate(offsets), axis=0)).max() < 0.15
+    assert np.abs(np.concatenate(offsets)).max() < 1.0
+
+
+@pytest.mark.parametrize("turn", [-0.3, 0.0, 0.2])
+def test_the_nearest_tags_heading_is_that_of_the_floor(turn: float) -> None:
+    pose = Pose2(area().spec.field.first_x + 0.22, 0.01, math.pi + turn)
+    seen = observe_tags(find_tags(photo(area(), pose)), CAMERA, MOUNT)
+    marker = next(marker for marker in area().markers if marker.tag_id == seen[0].tag_id)
+    true = pose.inverse().then(marker.pose)
+    assert seen[0].heading == pytest.approx(true.theta, abs=math.radians(0.5))
+    assert math.hypot(seen[0].x - true.x, seen[0].y - true.y) < 0.004
+    assert [tag.distance for tag in seen] == sorted(tag.distance for tag in seen)
+
+
+def test_the_papers_reading_shrinks_the_heading_by_the_sine_of_the_pitch() -> None:
+    readings = []
+    for turn in (-0.2, 0.2):
+        pose = Pose2(area().spec.field.first_x + 0.22, 0.01, math.pi + turn)
+        readings.append(observe_tags(find_tags(photo(area(), pose)), CAMERA, MOUNT)[0])
+    first, second = readings
+    assert first.tag_id == second.tag_id
+    slope = (second.heading_camera - first.heading_camera) / (second.heading - first.heading)
+    assert slope == pytest.approx(math.sin(MOUNT.pitch), rel=0.05)
+
+
+def test_tags_tell_pitch_roll_and_height() -> None:
+    pose = Pose2(area().spec.field.first_x + 0.22, 0.0, math.pi)
+    tilt = estimate_tilt(find_tags(photo(area(), pose)), CAMERA)
+    assert tilt.pitch == pytest.approx(MOUNT.pitch, abs=math.radians(0.3))
+    assert tilt.roll == pytest.approx(MOUNT.roll, abs=math.radians(0.3))
+    assert tilt.height == pytest.approx(MOUNT.height, abs=0.002)
+
+
+def test_no_tag_is_an_error_with_a_cure() -> None:
+    with pytest.raises(DataError, match="no floor tag"):
+        estimate_tilt((), CAMERA)
+
+
+def test_a_tag_that_does_not_lie_on_the_floor_is_left_out() -> None:
+    pose = Pose2(area().spec.field.first_x + 0.22, 0.01, math.pi)
+    detections = find_tags(photo(area(), pose))
+    tipped = replace(MOUNT, pitch=MOUNT.pitch + math.radians(20.0))
+    assert observe_tags(detections, CAMERA, tipped) == ()
+
+
+@pytest.mark.parametrize(("d", "phi"), [(0.0, 0.0), (0.05, -0.2), (-0.04, 0.25)])
+def test_the_lane_pose_is_left_and_counter_clockwise_positive(d: float, phi: float) -> None:
+    pose = area().spec.road.start.then(Pose2(0.9, d, phi))
+    lane = observe_lane(photo(area(), pose), CAMERA, MOUNT)
+    assert lane is not None
+    assert lane.d == pytest.approx(d, abs=0.01)
+    assert lane.phi == pytest.approx(phi, abs=0.03)
+
+
+def test_no_lane_is_seen_on_a_bare_floor() -> None:
+    bare = build_scene(SceneSpec(), np.random.default_rng(1))
+    assert observe_lane(photo(bare), CAMERA, MOUNT) is None
+
+
+def test_a_floor_point_projects_back_to_its_pixel() -> None:
+    pixels = np.array([[320.0, 300.0], [100.0, 400.0]])
+    base = np.column_stack([floor_points(pixels, CAMERA, MOUNT), np.zeros(2)])
+    rotation, position = base_from_camera(MOUNT)
+    np.testing.assert_allclose(
+        project(intrinsics_vector(CAMERA), (base - position) @ rotation), pixels, atol=1e-6
+    )
+
+
+def test_a_pixel_above_the_horizon_has_no_floor_point() -> None:
+    assert np.isnan(floor_points(np.array([[320.0, 5.0]]), CAMERA, MOUNT)).all()
+
+
+def test_a_mount_survives_the_way_through_its_pose() -> None:
+    mount = CameraMount(0.07, 0.01, 0.11, 0.4, -0.05, 0.1)
+    back = mount_from_pose(*base_from_camera(mount))
+    for name in ("forward", "left", "height", "pitch", "roll", "yaw"):
+        assert getattr(back, name) == pytest.approx(getattr(mount, name), abs=1e-12)
+
+
+def test_block_dct_agrees_with_opencv() -> None:
+    gray = np.random.default_rng(0).integers(0, 255, (16, 24)).astype(np.uint8)
+    np.testing.assert_allclose(
+        block_dct(gray)[1, 2], cv2.dct(gray[8:16, 16:24].astype(np.float32)), atol=1e-2
+    )
+
+
+@pytest.mark.parametrize("read_noise", [1.0, 10.0])
+def test_sharpness_falls_as_the_board_blurs_and_keeps_its_scale_under_noise(read_noise: float) -> None:
+    scene = board_scene(PLACEMENTS["near"])
+    blurs = (0.5, 1.0, 2.0, 4.0)
+    values = [sharpness(photo(scene, defocus=blur, read_noise=read_noise, jpeg_quality=0)) for blur in blurs]
+    assert values == sorted(values, reverse=True)
+    assert 0.3 < values[1] / values[0] < 0.9
+
+
+def test_sharpness_of_a_uniform_image_is_nothing() -> None:
+    assert sharpness(np.full((64, 64), 100, np.uint8)) == 0.0
+
+
+def test_focus_tells_when_the_sharp_point_has_been_passed() -> None:
+    assert not read_focus([0.1, 0.2, 0.3]).has_passed
+    passed = read_focus([0.1, 0.3, 0.2])
+    assert passed.has_passed
+    assert passed.best_index == 1
+    assert "turn back" in passed.sentence
