@@ -11,14 +11,23 @@ import numpy as np
 from fsm_calib.diagnosis.adequacy import residual_of
 from fsm_calib.diagnosis.base import SPEED_NOISE
 from fsm_calib.diagnosis.features import situation
-from fsm_calib.diagnosis.fit import ALL_RUNS, Engine, Fit
-from fsm_calib.diagnosis.hypotheses import Hypothesis, Prober, Start, declared_starts, hypotheses_of, slots_of
+from fsm_calib.diagnosis.fit import ALL_RUNS, Engine, Fit, jacobian
+from fsm_calib.diagnosis.hypotheses import (
+    Hypothesis,
+    Prober,
+    Start,
+    declared_starts,
+    hypotheses_of,
+    slots_of,
+    with_values,
+)
 from fsm_calib.diagnosis.scan import Candidate, Scanner
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 
 FIRST_STEPS, LAST_STEPS = 6, 4  # Gauss-Newton steps before and after the noise is fitted again
 HOPELESS = 2.0  # log-likelihood units: below, the noise is not fitted again and a fit is given up early
+FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are computed again
 NESTING_SLACK = 1e-6
 
 Progress = Callable[[str], None]
@@ -130,16 +139,26 @@ class Bank:
         slots = self.parent.slots + slots_of(hypothesis, len(self.engine.simulators))
         known = self.parent.columns
         hope = self.parent.score + HOPELESS
-        fit = self.engine.fit(
-            start.values, slots, self.parent.noise, known=known, steps=FIRST_STEPS, hope=hope
-        )
+        noise = self.parent.noise
+        fit = self.engine.fit(start.values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope)
+        if fit.score < self.parent.score:  # too bold a start: creep away from the parent's point instead
+            values = self._switched_off(hypothesis, start)
+            fit = self.engine.fit(values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope)
         if fit.score > self.parent.score + HOPELESS:
             fit = self.engine.refit_noise(fit, SPEED_NOISE, 2)
+            if fit.score > self.parent.score + FAR:
+                known = jacobian(self.engine.simulators, fit.values, self.parent.slots, fit.simulated)
             fit = self.engine.fit(fit.values, slots, fit.noise, known=known, steps=LAST_STEPS)
         if fit.score < self.parent.score - NESTING_SLACK:
             fit = self._at_parent(fit)
         gain = fit.score - self.parent.score
         return Ranked(hypothesis, fit, evidence_of(fit, self.parent, self.engine.count), gain)
+
+    def _switched_off(self, hypothesis: Hypothesis, start: Start) -> FloatArray:
+        """Return the start's parameters (R, p) with the effect's strengths at their null values."""
+        effect = registry()[hypothesis.effect]
+        nulls = {f"{effect.name}.{name}": effect.parameter(name).null for name in effect.strengths}
+        return with_values(start.values, nulls)
 
     def _at_parent(self, fit: Fit) -> Fit:
         """Return the parent's point as a point of the larger model: the effect found nothing to explain."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from fsm_calib.world2d.parameters import NUISANCE, parameter_table
 SLIP_SPREAD = (
     0.006  # m/s: tyres of small robots differ by half of the default slip speed (benchmarks/rollout.py)
 )
+AXLE_SPREAD = 0.1  # of the stated axle: a tape measures the track, tyres touch the floor a width beside it
 ROUNDS = 4  # fit and noise in turn; two suffice on clean data
 ENOUGH = 0.5  # log-likelihood units between rounds
 
@@ -33,6 +35,10 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
     if any(s.prepared.has_encoders for s in simulators):
         names += ["wheel_radius_left", "wheel_radius_right"]
     slots = [slot_of(name) for name in names]
+    stated = simulators[0].prepared.recording.robot.axle_length
+    if stated:
+        place = names.index("axle_length")
+        slots[place] = replace(slots[place], centre=stated, spread=AXLE_SPREAD * stated)
     if not simulators[0].measured_input:
         slip = slot_of("slip_speed")
         centre = float(values[slip.place])
