@@ -6,7 +6,7 @@ from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.markers import MARKER_MISSED, look_at_markers
 from fsm_calib.actions.moving import drive
 from fsm_calib.actions.notebook import MarkerReading
-from fsm_calib.actions.turning import ROBOT_BLOCKED
+from fsm_calib.actions.turning import DRIVE_BLOCKED
 from fsm_calib.outcome import Outcome
 from fsm_calib.types import STOP, TagObservation
 
@@ -25,7 +25,7 @@ def drive_off(bench: Bench) -> Outcome:
     if isinstance(after, Outcome):
         return after
     if not notebook.field_left and _stands(before, after, settings.moved_share * settings.stretch):
-        return ROBOT_BLOCKED
+        return DRIVE_BLOCKED
     notebook.field_left = not after
     if not after:
         return MARKER_MISSED

@@ -91,8 +91,10 @@ def _step(bench: Bench, way: str) -> Outcome:
 
 
 def _next(bench: Bench, sighting: Sighting, way: str, step: Step) -> Outcome:
+    """Follow the next board; beyond the row's end it is none of the declared ones, and no view is kept."""
     board = _board(bench) + (-1 if way == CLOCKWISE else 1)
-    keep_view(bench, sighting, board, step.frame)
+    if 0 <= board < int(bench.briefing.get("boards", board + 1)):
+        keep_view(bench, sighting, board, step.frame)
     bench.notebook.followed_way = way
     sentence = "The board followed so far left the picture; the next one is in it."
     return Outcome("next_board_seen", turned_evidence(step), sentence)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from statistics import median
 
 from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.marker_map import extend, place
@@ -11,7 +13,7 @@ from fsm_calib.actions.markers import look_at_markers, read_markers
 from fsm_calib.actions.moving import drive
 from fsm_calib.actions.notebook import MarkerReading, WheelRun
 from fsm_calib.actions.ratio import combined_ratio, run_from_readings
-from fsm_calib.actions.turning import ROBOT_BLOCKED, WHEEL_STALLED
+from fsm_calib.actions.turning import DRIVE_BLOCKED, WHEEL_STALLED
 from fsm_calib.outcome import Outcome
 from fsm_calib.types import Pose2, TagObservation
 
@@ -21,9 +23,12 @@ def drive_forward(bench: Bench) -> Outcome:
     in sight.
 
     When the markers say that the first drive moved nothing, the command is raised and the drive made again;
-    when the most moves nothing forward, a short drive back tells an obstacle from a dead wheel.
+    when the most moves nothing forward, a short drive back tells an obstacle from a dead wheel. A robot that
+    the last shuttle did not bring back to where it began was held up on the way.
     """
     notebook = bench.notebook
+    if _ended_elsewhere(bench):
+        return DRIVE_BLOCKED
     notebook.last_duration = _duration(bench)
     notebook.last_ratio = notebook.wheel_ratio
     settings = bench.settings
@@ -55,9 +60,8 @@ def measure_ratio(bench: Bench) -> Outcome:
     if isinstance(reading, Outcome):
         return reading
     distance, seen = driven(bench, start, reading)
-    expected = _speed(bench) * notebook.last_duration
-    if seen and notebook.runs and distance < bench.settings.drive.moved_share * expected:
-        return ROBOT_BLOCKED
+    if seen and _fell_short(bench, distance):
+        return DRIVE_BLOCKED
     if seen:
         notebook.speed = distance / notebook.last_duration
         learn_yaw(bench, distance)
@@ -91,6 +95,7 @@ def update_ratio(bench: Bench) -> Outcome:
         notebook.wheel_ratio = combined.ratio
     elif not quiet:
         notebook.wheel_ratio = run.wheel_ratio + correction
+    notebook.wheel_ratio = min(max(notebook.wheel_ratio, settings.least_ratio), 1.0 / settings.least_ratio)
     notebook.ratio_history.append(notebook.wheel_ratio)
     evidence = {"quiet": quiet, "k_i": run.k_i, "wheel_ratio": notebook.wheel_ratio}
     if combined is not None:
@@ -100,6 +105,38 @@ def update_ratio(bench: Bench) -> Outcome:
 
 def _run_evidence(run: WheelRun) -> dict[str, float]:
     return {"k_i": run.k_i, "turned": run.turned, "turned_sd": run.sd, "distance": run.distance}
+
+
+def _fell_short(bench: Bench, distance: float) -> bool:
+    """Whether a drive of `distance` [m] is much shorter than the drives before it let expect."""
+    runs = bench.notebook.runs
+    if not runs or bench.settings.ratio.equation == "published":
+        return False
+    usual = median(run.distance / run.duration for run in runs)
+    return distance < bench.settings.drive.reached_share * usual * bench.notebook.last_duration
+
+
+def _ended_elsewhere(bench: Bench) -> bool:
+    """Whether the last drive forward and back ended far from where it began, by the markers seen at both
+    times.
+
+    It catches an obstacle that hides the markers behind it: the drive's length is not known then, but the way
+    back is longer than the way there.
+    """
+    notebook, settings = bench.notebook, bench.settings.drive
+    if not notebook.runs or notebook.reading is None or bench.settings.ratio.equation == "published":
+        return False
+    began, distance = notebook.readings[-2], notebook.runs[-1].distance
+    shifts = [math.hypot(a.x - b.x, a.y - b.y) for a, b in _common(began.tags, notebook.reading.tags)]
+    return bool(shifts) and median(shifts) > (1.0 - settings.reached_share) * distance
+
+
+def _common(
+    before: Sequence[TagObservation], after: Sequence[TagObservation]
+) -> list[tuple[TagObservation, TagObservation]]:
+    """Return the markers of both looks, paired."""
+    known = {tag.tag_id: tag for tag in before}
+    return [(known[tag.tag_id], tag) for tag in after if tag.tag_id in known]
 
 
 def _speed(bench: Bench) -> float:
@@ -137,8 +174,7 @@ def _has_moved(bench: Bench) -> bool | None:
     tags = look_at_markers(bench)
     if start is None or isinstance(tags, Outcome):
         return None
-    before = {tag.tag_id: tag for tag in start.tags}
-    common = [(before[tag.tag_id], tag) for tag in tags if tag.tag_id in before]
+    common = _common(start.tags, tags)
     if not common:
         return None
     expected = _speed(bench) * bench.notebook.last_duration
@@ -154,7 +190,7 @@ def _shift(before: TagObservation, after: TagObservation) -> float:
 
 def _why_still(bench: Bench) -> Outcome:
     drive(bench, bench.notebook.last_duration, bench.notebook.last_ratio, backward=True)
-    return ROBOT_BLOCKED if _has_moved(bench) is not False else WHEEL_STALLED
+    return DRIVE_BLOCKED if _has_moved(bench) is not False else WHEEL_STALLED
 
 
 def driven(bench: Bench, start: MarkerReading, reading: MarkerReading) -> tuple[float, bool]:
@@ -176,10 +212,13 @@ def learn_yaw(bench: Bench, distance: float) -> None:
     """Refine the camera's yaw by the direction in which the markers say that the robot drove.
 
     An arc that turns by a [rad] leaves along a / 2 of the robot's forward direction; a camera that looks to
-    the left by y sees it along a / 2 - y. The mean over drives is weighted by their squared lengths.
+    the left by y sees it along a / 2 - y. The mean over drives is weighted by their squared lengths; a drive
+    that turned far tells nothing.
     """
     notebook = bench.notebook
     step, yaw = notebook.last_step, notebook.mount.yaw
+    if abs(step.theta) > bench.settings.drive.straight_within:
+        return
     seen = math.atan2(step.y, step.x) - 0.5 * step.theta
     notebook.yaw_weight += distance**2
     share = distance**2 / notebook.yaw_weight

@@ -67,8 +67,8 @@ FAILURES = (
     _failure(
         "not_aligning",
         "The robot could not turn to stand along the markers.",
-        "After {turns} turning steps and {overshoots} overshoots the robot still did not stand along "
-        "the markers.",
+        "After {turns} turning steps, {overshoots} overshoots and {recoveries} recoveries the robot still did "
+        "not stand along the markers.",
         "Check that all markers are oriented alike and that the wheels turn freely at low commands.",
     ),
     _failure(

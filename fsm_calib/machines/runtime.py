@@ -120,10 +120,10 @@ class CalibrationMachine:
 
     @property
     def briefing(self) -> dict[str, Any]:
-        """What an activity may know of the machine: the state's path, the phase and the counts in the
-        books.
+        """What an activity may know of the machine: the state's path, the number of boards, the phase and the
+        counts in the books.
         """
-        return {"state": self.state, **self.books.to_dict()}
+        return {"state": self.state, "boards": self.limits.boards, **self.books.to_dict()}
 
     def fire(self, outcome: Outcome) -> Fired:
         """Take `outcome` and move on.

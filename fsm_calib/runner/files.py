@@ -12,7 +12,7 @@ from typing import Any
 from fsm_calib.calibration_files import write_kinematics
 from fsm_calib.journal import JOURNAL_NAME, read_journal, write_atomically
 from fsm_calib.perception.camera_files import write_extrinsics, write_intrinsics
-from fsm_calib.perception.extrinsics import floor_homography, rectified_matrix
+from fsm_calib.perception.extrinsics import floor_homography, is_corrupt, rectified_matrix
 from fsm_calib.report.run_record import RunRecord
 from fsm_calib.runner.result import calibration_of, test_drives
 from fsm_calib.runner.session import Session
@@ -29,19 +29,24 @@ def write_result(directory: Path, result: Mapping[str, Any]) -> Path:
 
 
 def write_calibrations(directory: Path, session: Session) -> list[Path]:
-    """Write Duckietown's files for what was found, below ``calibrations/``, and return their paths."""
+    """Write Duckietown's files for what was found, below ``calibrations/``, and return their paths.
+
+    A wheel iteration that did not come to its end leaves no file: its k is nobody's. A mount that Duckietown
+    would refuse as corrupt leaves none either.
+    """
     notebook, name = session.run.bench.notebook, session.scenario.robot.name
     folder, now = directory / "calibrations", datetime.now(UTC)
     remarks = provenance(session)
     written = []
-    if notebook.runs or notebook.lane_runs:
+    if (notebook.runs or notebook.lane_runs) and session.run.machine.books.phase != "wheels":
         written.append(write_kinematics(folder, name, calibration_of(notebook), now, remarks))
     if notebook.camera is not None and notebook.figures is not None:
         path = folder / "camera_intrinsic" / f"{name}.yaml"
         written.append(write_intrinsics(path, notebook.camera, name, remarks))
         homography = floor_homography(notebook.mount, rectified_matrix(notebook.camera))
         path = folder / "camera_extrinsic" / f"{name}.yaml"
-        written.append(write_extrinsics(path, homography, now.strftime("%Y-%m-%d")))
+        if not is_corrupt(homography):
+            written.append(write_extrinsics(path, homography, now.strftime("%Y-%m-%d")))
     return written
 
 

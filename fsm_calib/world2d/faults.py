@@ -10,7 +10,7 @@ from fsm_calib.world2d.scene import Wall
 
 @dataclass(frozen=True, slots=True)
 class DeadWheel:
-    """One motor gets no current any more; its wheel is dragged along."""
+    """One motor gets no command any more, as with a broken wire: its wheel stands or is braked as at command 0."""
 
     side: Literal["left", "right"]
     at: float = 0.0

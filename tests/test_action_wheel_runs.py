@@ -1,0 +1,79 @@
+"""The shuttle over the markers: obstacles, the bounds of k, what a drive tells of the camera's yaw."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from fsm_calib.actions import Bench, with_published
+from fsm_calib.actions.notebook import MarkerReading, WheelRun
+from fsm_calib.actions.settings import ActionSettings
+from fsm_calib.actions.wheel_runs import drive_forward, learn_yaw, update_ratio
+from fsm_calib.types import STOP, Pose2, TagObservation, WheelCommand
+
+
+class Wheels:
+    """A robot that only keeps what it was commanded."""
+
+    def __init__(self) -> None:
+        self.commands: list[WheelCommand] = []
+
+    def command(self, command: WheelCommand) -> None:
+        self.commands.append(command)
+
+    def wait(self, duration: float) -> None:
+        pass
+
+
+def marker(number: int, x: float) -> TagObservation:
+    return TagObservation(number, x, 0.0, 0.0, x)
+
+
+def reading(*tags: TagObservation) -> MarkerReading:
+    return MarkerReading(tags, 0.0, 0.0)
+
+
+def bench_after_a_drive(back_at: float, settings: ActionSettings | None = None) -> Bench:
+    """A bench whose robot drove 0.4 m and back; marker 7, at 0.3 m then, is now at `back_at` [m]."""
+    bench = Bench(Wheels(), settings or ActionSettings())
+    notebook = bench.notebook
+    notebook.runs = [WheelRun(1.0, 2.0, 0.4, 0.0, 0.003, 1.0)]
+    notebook.readings = [reading(marker(7, 0.3)), reading(marker(9, 0.4))]
+    notebook.reading = reading(marker(7, back_at))
+    return bench
+
+
+def test_a_robot_that_comes_back_to_its_start_drives_on() -> None:
+    bench = bench_after_a_drive(back_at=0.33)
+    assert drive_forward(bench).trigger == "drive_finished"
+    assert bench.robot.commands[-1] == STOP
+
+
+def test_a_robot_that_the_way_back_took_beyond_its_start_was_held_up_before() -> None:
+    bench = bench_after_a_drive(back_at=0.3 + 0.25)
+    assert drive_forward(bench).trigger == "robot_blocked"
+    assert bench.robot.commands == []
+
+
+def test_as_published_nothing_looks_for_obstacles() -> None:
+    settings = with_published(ActionSettings(), "equation_3")
+    assert drive_forward(bench_after_a_drive(0.6, settings)).trigger == "drive_finished"
+
+
+@pytest.mark.parametrize(("k_i", "expected"), [(9.0, 2.0), (-9.0, 0.5)])
+def test_k_stays_within_what_wheels_can_differ_by(k_i: float, expected: float) -> None:
+    bench = Bench(Wheels())
+    bench.notebook.runs = [WheelRun(1.0, 2.0, 0.4, 0.0, 0.003, k_i)]
+    update_ratio(bench)
+    assert bench.notebook.wheel_ratio == expected
+
+
+def test_a_straight_drive_teaches_the_cameras_yaw_and_a_turn_does_not() -> None:
+    bench, yaw = Bench(Wheels()), 0.04
+    bench.notebook.last_step = Pose2(0.5 * math.cos(yaw), -0.5 * math.sin(yaw), 0.0)
+    learn_yaw(bench, 0.5)
+    assert bench.notebook.mount.yaw == pytest.approx(yaw)
+    bench.notebook.last_step = Pose2(-0.1, 0.1, 2.5)
+    learn_yaw(bench, 0.5)
+    assert bench.notebook.mount.yaw == pytest.approx(yaw)
