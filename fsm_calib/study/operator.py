@@ -27,11 +27,15 @@ class OperatorSettings:
     roll_sd : float
         Standard deviation of the board's turn about the line of sight [rad].
     tremor_speed, tremor_rate : float
-        Standard deviation of the motion while the shutter is open: sideways [m/s] and turning [rad/s].
+        Standard deviations of the board's motion in each direction [m/s] and about each axis [rad/s]; a tremor
+        of 0.2 mm at 8 to 12 Hz is 1 cm/s.
     fast_share : float
         Share of the views that are taken while the board is being moved [1].
     fast_factor : float
         How much faster than the tremor that is [1].
+    readout : float
+        From the first row's exposure to the last row's, of the camera that the person uses [s]
+        (`held_board`).
     references : int
         Calibrations by hand from which the best one (least reprojection error) is fixed for test 1.
     board_offset_sd, board_turn_sd : float
@@ -67,6 +71,7 @@ class OperatorSettings:
     tremor_rate: float = math.radians(2.0)
     fast_share: float = 0.07
     fast_factor: float = 15.0
+    readout: float = 0.020
     references: int = 3
     board_offset_sd: float = 0.002
     board_turn_sd: float = math.radians(0.5)
@@ -86,6 +91,7 @@ class OperatorSettings:
         check_range("references", self.references, 1, 100)
         check_range("tries", self.tries, 1, 100)
         check_range("fast_share", self.fast_share, 0.0, 0.9)
+        check_range("readout", self.readout, 0.0, 0.1)
         check_range("nearest", self.nearest, 0.05, self.farthest)
         for name in ("reading", "path_reading", "trim_step", "line_length", "good_deviation"):
             check_range(name, getattr(self, name), 1e-4, 20.0)

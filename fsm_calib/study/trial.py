@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from fsm_calib.errors import DataError
-from fsm_calib.perception.calibration import CameraCalibration
+from fsm_calib.perception.calibration import CameraCalibration, FitFigures
 from fsm_calib.perception.prediction import projection_difference
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Silent
@@ -99,15 +99,21 @@ def by_hand(spec: WorldSpec, operator: OperatorSettings, board: BoardSpec) -> di
 def hand_camera(
     spec: WorldSpec, operator: OperatorSettings, board: BoardSpec, repeat: int
 ) -> dict[str, Any] | None:
-    """Return calibration number `repeat` by hand as plain values, with the mount; None when it failed."""
+    """Return calibration number `repeat` by hand as plain values, with the mount; None when it failed.
+
+    `same_solver` holds what the robot's own code makes of the same pictures.
+    """
     sensor = spec.optics
     rng = np.random.default_rng([spec.seed, _HAND_STREAM, repeat])
     try:
         hand = calibrate_by_hand(spec.robot, sensor, operator, board, rng)
     except DataError:
         return None
-    row = camera_row(hand.calibration, spec.robot.camera) | {"attempts": hand.attempts}
-    return row | {"mount": _mount_row(spec, hand.calibration.camera, sensor, operator, board, repeat)}
+    true, camera = spec.robot.camera, hand.manual.camera
+    row = camera_row(camera, hand.manual.figures, true) | {"attempts": hand.attempts}
+    own = hand.same_solver
+    row["same_solver"] = None if own is None else _own_row(own, true)
+    return row | {"mount": _mount_row(spec, camera, sensor, operator, board, repeat)}
 
 
 def _mount_row(
@@ -126,21 +132,24 @@ def _mount_row(
         return None
 
 
-def camera_row(calibration: CameraCalibration, true: CameraModel) -> dict[str, Any]:
-    """Return a calibration's figures [px] and its error against the true lens [px]."""
-    camera = calibration.camera
+def camera_row(camera: CameraModel, figures: FitFigures, true: CameraModel) -> dict[str, Any]:
+    """Return a calibration's reprojection figures [px] and its error against the true lens [px]."""
     return {
         "model": camera.model,
         "matrix": camera.matrix.tolist(),
         "distortion": camera.distortion.tolist(),
-        "rms_px": calibration.rms_px,
-        "mean_px": calibration.mean_px,
-        "paper_px": calibration.paper_px,
-        "predicted_px": calibration.predicted_px,
+        "rms_px": figures.rms_px,
+        "mean_px": figures.mean_px,
+        "paper_px": figures.paper_px,
         "true_px": projection_difference(camera, true).rms,
-        "views_used": calibration.views_used,
-        "refused": calibration.reason,
     }
+
+
+def _own_row(calibration: CameraCalibration, true: CameraModel) -> dict[str, Any]:
+    """Return what the robot's own code made of a person's pictures."""
+    figures = FitFigures(calibration.rms_px, calibration.mean_px, calibration.paper_px)
+    extra = {"predicted_px": calibration.predicted_px, "views_used": calibration.views_used}
+    return camera_row(calibration.camera, figures, true) | extra
 
 
 def wheels_row(wheels: HandWheels, spec: WorldSpec) -> dict[str, Any]:
