@@ -57,6 +57,14 @@ def test_khepera_subsets_agree_with_each_other_within_our_deviations(name):
         assert np.ptp(values) < 4.0 * np.sqrt(2.0) * sds.max()
 
 
+def test_khepera_deviations_lie_within_a_factor_two_of_the_published_ones():
+    for name in ("l90", "lmov"):
+        estimates = identify([khepera(name, "_all")]).estimates
+        ratio = np.array([estimates[key].sd for key in NAMES]) / published(name, "_all")[1]
+        assert ((ratio > 0.5) & (ratio < 2.0)).all()
+        assert all(estimates[key].sd_robust < 0.2 * estimates[key].sd for key in NAMES)
+
+
 def test_lego_positions_are_predicted_within_32_mm():
     found = identify([read_recording(shared("lego-nxt/drive.recording.yaml"))])
     assert found.residual["xy_m"] <= 0.032

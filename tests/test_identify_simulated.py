@@ -50,6 +50,16 @@ def test_robust_fit_is_unmoved_by_wild_rows():
     assert fit.outliers >= 12
 
 
+@pytest.mark.parametrize(("pull", "caused"), [(0.0, False), (5.0, True)])
+def test_outliers_that_err_to_one_side_have_a_cause(pull, caused):
+    rng = np.random.default_rng(4)
+    x = rng.uniform(-1, 1, 600)
+    y = np.stack([2.0 * x, x], axis=1) + rng.normal(0, 0.01, (600, 2))
+    y[:24] += rng.normal(pull, 1.0, (24, 2))
+    fit = robust_fit(lambda p: np.stack([p[0] * x, p[1] * x], axis=1), y, np.zeros(2), np.ones(2))
+    assert fit.outliers_have_a_cause is caused
+
+
 def test_jacobian_agrees_with_its_formula():
     x = np.linspace(0.0, 1.0, 5)
     jacobian = jacobian_of(lambda p: np.exp(p[0] * x)[:, None], np.array([0.7]), np.ones(1))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from recording_samples import shared
 
+from fsm_calib.errors import InputError
 from fsm_calib.recording import CommandTrack, PoseTrack, Recording, WheelPair, read_recording
 from fsm_calib.recording.checks import checked
 
@@ -58,8 +59,15 @@ def test_jump_is_told_with_its_time():
     assert finding.time == pytest.approx(10.0)
 
 
-def test_millimetres_taken_for_metres_are_told():
-    assert "unit_slip" in kinds(looked_at(pose=circle(x=1000.0 * circle().x, y=1000.0 * circle().y)))
+def test_millimetres_taken_for_metres_are_refused():
+    with pytest.raises(InputError, match="wrong unit"):
+        looked_at(pose=circle(x=1000.0 * circle().x, y=1000.0 * circle().y))
+
+
+def test_many_impossible_steps_are_told():
+    x = circle().x.copy()
+    x[40:60:2] += 5.0
+    assert "unit_slip" in kinds(looked_at(pose=circle(x=x)))
 
 
 def test_pose_frozen_under_drive_is_told():

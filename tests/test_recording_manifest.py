@@ -160,6 +160,12 @@ def test_command_in_place_of_which_time_was_given_is_refused(tmp_path):
     assert "far beyond -1 to 1" in refused(write(tmp_path, manifest, c="t,r\n0,0.1\n1,0.2\n2,0.1\n3,0.1\n"))
 
 
+def test_position_in_place_of_time_is_refused(tmp_path):
+    t = np.arange(0.0, 20.0, 0.1)
+    rows = "x,t,y,h\n" + "".join(f"{q:.1f},{0.01 * q:.4f},0,0\n" for q in t)
+    assert "p.csv:2: 199 of 199 steps beat 3 m/s" in refused(write(tmp_path, p=rows))
+
+
 def test_endless_line_is_refused_without_being_read(tmp_path):
     path = write(tmp_path)
     with (tmp_path / "p.csv").open("wb") as stream:

@@ -122,12 +122,16 @@ def _start(
 
 
 def _estimate(fit: RobustFit, i: int, unit: str) -> Estimate:
-    value, sd = float(fit.parameters[i]), float(np.sqrt(fit.covariance[i, i]))
+    """Return parameter `i`; outliers with a common cause count as noise in its deviation."""
+    value, robust = float(fit.parameters[i]), float(np.sqrt(fit.covariance[i, i]))
     limit = UNTOLD_ANGLE if unit == "rad" else UNTOLD_LENGTH if i >= 3 else UNTOLD_SHARE * abs(value)
-    if not sd < limit:
+    if not robust < limit:
         return unknown(unit, NO_TURNS)
-    all_rows = float(np.sqrt(fit.covariance_all_rows[i, i]))
-    return Estimate(wrap_angle(value) if unit == "rad" else value, sd, unit, sd_all_rows=all_rows)
+    value = wrap_angle(value) if unit == "rad" else value
+    if not fit.outliers_have_a_cause:
+        return Estimate(value, robust, unit)
+    sd = max(float(np.sqrt(fit.covariance_with_outliers[i, i])), robust)
+    return Estimate(value, sd, unit, sd_robust=robust)
 
 
 def _residual(fit: RobustFit) -> dict[str, float]:
@@ -146,8 +150,12 @@ def _notes(fit: RobustFit) -> tuple[str, ...]:
     if fit.outliers:
         share = 100.0 * fit.outliers / len(fit.weights)
         notes.append(
-            f"{fit.outliers} of {len(fit.weights)} intervals ({share:.1f} %) are outliers, weighted down; "
-            "sd_all_rows takes them for noise"
+            f"{fit.outliers} of {len(fit.weights)} intervals ({share:.1f} %) are outliers, weighted down"
+        )
+    if fit.outliers_have_a_cause:
+        notes.append(
+            "the outliers err to one side, so they have a cause which the other rows may share: every sd counts "
+            "them as noise, but for the worst 1 %; sd_robust is what the other rows alone give"
         )
     if (fit.parameters[:2] < 0).any():
         notes.append("a wheel's scale came out negative: the sign of that wheel's channel is reversed")

@@ -20,16 +20,16 @@ SENSOR = ("sensor.x", "sensor.y", "sensor.theta")
 class Estimate:
     """One number: `value` and its standard deviation `sd` in `unit`.
 
-    `value` None means that the data cannot tell; `reason` then says why. `sd_all_rows` is the standard
-    deviation that follows when the scatter of every row, outliers included, is taken for the noise (how Censi
-    et al. 2013 published theirs); None where no such figure exists.
+    `value` None means that the data cannot tell; `reason` then says why. `sd_robust` is the
+    smaller deviation that rows without the outliers give, where `sd` counts outliers as noise since they have
+    a common cause; None where the two are the same.
     """
 
     value: float | None
     sd: float | None = None
     unit: str = ""
     reason: str = ""
-    sd_all_rows: float | None = None
+    sd_robust: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return plain JSON values; NaN never occurs."""
@@ -37,8 +37,8 @@ class Estimate:
             return {"value": None, "sd": None, "unit": self.unit, "reason": self.reason}
         sd = self.sd if self.sd is not None and math.isfinite(self.sd) else None
         plain: dict[str, Any] = {"value": self.value, "sd": sd, "unit": self.unit}
-        if self.sd_all_rows is not None:
-            plain["sd_all_rows"] = self.sd_all_rows
+        if self.sd_robust is not None:
+            plain["sd_robust"] = self.sd_robust
         return plain
 
 

@@ -15,6 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
 
 from fsm_calib.types import FloatArray
 
@@ -26,6 +28,8 @@ SETTLED = (
     1e-6  # a round that moves no parameter by more than this share of its standard deviation ends the fit
 )
 OUTLIER_WEIGHT = 0.25  # a row of lower weight (4.5 scatters away) is counted as an outlier
+WORST = 0.01  # share of rows that no covariance counts (closest to what Censi et al. 2013 published)
+ONE_SIDED = 1e-6  # significance at which outliers are said to err to one side (Hotelling's test)
 
 Model = Callable[[FloatArray], FloatArray]
 
@@ -34,12 +38,12 @@ Model = Callable[[FloatArray], FloatArray]
 class RobustFit:
     """Result: `parameters` (p,), `covariance` (p, p), `scatter` S (d, d), `weights` (n,), `residuals` (n, d).
 
-    `covariance_all_rows` (p, p) takes the scatter of every row for the noise, outliers included.
+    `covariance_with_outliers` (p, p) takes the scatter of all rows but the worst `WORST` for the noise.
     """
 
     parameters: FloatArray
     covariance: FloatArray
-    covariance_all_rows: FloatArray
+    covariance_with_outliers: FloatArray
     scatter: FloatArray
     weights: FloatArray
     residuals: FloatArray
@@ -47,7 +51,29 @@ class RobustFit:
     @property
     def outliers(self) -> int:
         """How many rows are too far off to be the noise that the others show."""
-        return int((self.weights < OUTLIER_WEIGHT).sum())
+        return int(self.outlying.sum())
+
+    @property
+    def outlying(self) -> NDArray[np.bool_]:
+        """Which rows are outliers, shape (n,)."""
+        return self.weights < OUTLIER_WEIGHT
+
+    @property
+    def outliers_have_a_cause(self) -> bool:
+        """Whether the outliers err to one side, so that they are no random noise.
+
+        Hotelling's test (1931, DOI 10.1214/aoms/1177732979) of the outliers' mean against zero: with m outliers,
+        mean e (d,), covariance C (d, d), T2 = m e' C^-1 e is distributed as d (m - 1) / (m - d) F(d, m - d).
+        """
+        rows = self.residuals[self.outlying]
+        count, dimension = rows.shape
+        if count < 3 * dimension + 1:
+            return False
+        covariance = np.atleast_2d(np.cov(rows, rowvar=False)) + 1e-24 * np.eye(dimension)
+        mean = rows.mean(axis=0)
+        statistic = count * float(mean @ np.linalg.solve(covariance, mean))
+        ratio = statistic * (count - dimension) / (dimension * (count - 1))
+        return bool(stats.f.sf(ratio, dimension, count - dimension) < ONE_SIDED)
 
 
 def robust_fit(
@@ -78,7 +104,7 @@ def robust_fit(
     jacobian = jacobian_of(model, parameters, scale)
     covariance = _sandwich(jacobian, residuals, weights, scatter, scale, correlated)
     return RobustFit(
-        parameters, covariance, _all_rows(jacobian, residuals, scale), scatter, weights, residuals
+        parameters, covariance, _with_outliers(jacobian, residuals, scale), scatter, weights, residuals
     )
 
 
@@ -158,10 +184,12 @@ def _sandwich(
     return bread @ meat @ bread * rows / max(rows - count, 1)
 
 
-def _all_rows(jacobian: FloatArray, residuals: FloatArray, scale: FloatArray) -> FloatArray:
-    """Return the covariance of plain least squares with the standard deviation of all rows, channel by
-    channel.
-    """
-    variance = np.maximum(residuals.var(axis=0), 1e-24)
-    information = np.einsum("nci,c,ncj->ij", jacobian, 1.0 / variance, jacobian, optimize=True)
+def _with_outliers(jacobian: FloatArray, residuals: FloatArray, scale: FloatArray) -> FloatArray:
+    """Return the covariance of plain least squares when the noise is the scatter of all rows but the worst."""
+    spread = np.maximum(1.4826 * np.median(np.abs(residuals), axis=0), 1e-12)
+    farness = ((residuals / spread) ** 2).sum(axis=1)
+    counted = np.argsort(farness)[: int(np.ceil(len(farness) * (1.0 - WORST)))]
+    variance = np.maximum(residuals[counted].var(axis=0), 1e-24)
+    kept = jacobian[counted]
+    information = np.einsum("nci,c,ncj->ij", kept, 1.0 / variance, kept, optimize=True)
     return scaled_inverse(information, scale)

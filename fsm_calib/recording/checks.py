@@ -19,6 +19,7 @@ from fsm_calib.recording.recording import Finding, Recording
 
 HELD = ("command", "twist", "state")  # channels whose rows hold until the next
 LARGEST_COMMAND = 2.0  # a logger may note what is clipped later, but not twice the largest command
+REFUSED = ("mirrored", "heading", "impossible")  # kinds of findings after which nothing can be trusted
 MOST_BACKWARDS = 0.02  # share of rows with time going backwards above which the column is no clock
 
 
@@ -58,11 +59,11 @@ def _refuse_impossible(recording: Recording, odd: list[Finding], sources: Mappin
                 cure="Are columns swapped, or is the unit rad/s?",
             )
     for finding in odd:
-        if finding.kind in ("mirrored", "heading"):
+        if finding.kind in REFUSED:
             raise InputError(
-                finding.sentence,
+                finding.sentence.removesuffix("?"),
                 where=sources[finding.channel].where(0),
-                cure="Check the columns of the manifest.",
+                cure="Check the columns, time_unit and length_unit of the manifest.",
             )
 
 

@@ -15,6 +15,7 @@ from fsm_calib.types import FloatArray, wrap_angle
 FASTEST = 3.0  # m/s; three times what a Duckiebot, a Create or a Khepera can do
 FASTEST_TURN = 15.0  # rad/s; twice a Duckiebot's spin
 FEW_JUMPS = 0.05  # share of rows; more jumps than that are no jumps but a wrong unit
+MOST_JUMPS = 0.5  # share of rows; beyond it the columns are not what they are called
 FROZEN_SECONDS = 2.0  # s without any change while another channel shows motion
 MOVING_SHARE = 0.05  # of the largest command: less is standing
 LONGEST_GAP = 0.5  # s; shorter holes are covered by the robot's own motion
@@ -50,8 +51,11 @@ def _jumps(pose: PoseTrack) -> list[Finding]:
         return []
     first = float(pose.time[1:][far][0])
     if count > FEW_JUMPS * rows:
-        sentence = f"{count} of {rows} steps beat {FASTEST:g} m/s or {FASTEST_TURN:g} rad/s: a wrong unit?"
-        return [Finding("pose", "unit_slip", sentence, "kept", count, first)]
+        sentence = (
+            f"{count} of {rows} steps beat {FASTEST:g} m/s or {FASTEST_TURN:g} rad/s: a wrong unit or column?"
+        )
+        kind = "impossible" if count > MOST_JUMPS * rows else "unit_slip"
+        return [Finding("pose", kind, sentence, "kept", count, first)]
     sentence = (
         f"{count} jumps that no robot of this size can make (first at {first:.3f} s); fits weigh them down"
     )

@@ -11,11 +11,12 @@ from fsm_calib.recording.recording import Recording
 MANIFEST_SUFFIXES = (".yaml", ".yml")
 BAG_SUFFIXES = (".bag", ".mcap", ".db3")
 MANIFEST_NAME = "recording.yaml"
+MANIFEST_END = ".recording.yaml"
 
 
 def read_recording(path: str | Path, tag_map: str | Path | None = None) -> Recording:
     """Read a manifest, a folder that holds ``recording.yaml``, a ROS 1 ``.bag``, a ROS 2 bag folder or a
-    ``.mcap``.
+    ``.mcap``; NAME stands for ``NAME.recording.yaml``.
 
     `tag_map` names a YAML file with the places of tags, for bags that hold tag detections and no poses.
 
@@ -25,6 +26,9 @@ def read_recording(path: str | Path, tag_map: str | Path | None = None) -> Recor
         Nothing is there, or it is none of these, or it is damaged; the sentence says file and line.
     """
     path = Path(path)
+    named = path.with_name(path.name + MANIFEST_END) if path.name else path
+    if not path.exists() and named.is_file():
+        path = named
     if not path.exists():
         raise InputError("the recording does not exist", where=str(path))
     if path.is_dir() and (path / MANIFEST_NAME).is_file():

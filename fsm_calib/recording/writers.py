@@ -32,7 +32,7 @@ from fsm_calib.recording.duckietown_messages import (
     WHEELS_TYPE,
     typestore,
 )
-from fsm_calib.recording.manifest import FORMAT
+from fsm_calib.recording.manifest_schema import FORMAT
 from fsm_calib.recording.recording import Recording
 
 TOPIC = "/fsm_calib/{}"
