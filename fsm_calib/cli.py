@@ -16,7 +16,7 @@ from typer.core import TyperGroup
 
 from fsm_calib.errors import FsmCalibError
 
-COMMAND_MODULES: tuple[str, ...] = ("cli_run", "cli_recording", "cli_camera", "cli_diagnosis")
+COMMAND_MODULES: tuple[str, ...] = ("cli_run", "cli_recording", "cli_camera", "cli_diagnosis", "cli_study")
 """Modules of this package with `register(app)`; each adds its commands to the command line."""
 
 
