@@ -16,7 +16,7 @@ from fsm_calib.diagnosis.crossval import held_out_gains, is_global
 from fsm_calib.diagnosis.features import feature_groups, situation
 from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Adequacy, Gates, adequacy
-from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts
+from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, shown_by
 from fsm_calib.diagnosis.locate import Location, locate
 from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.world2d.effects import Effect, registry
@@ -208,7 +208,8 @@ def decide(
 ) -> Decision:
     """Decide what the recordings of one robot show; `without` leaves effects out of the catalogue."""
     engine = Engine(tuple(simulators))
-    judge = Judge(engine, catalogue(without), gates, progress, np.random.default_rng(seed))
+    effects = shown_by(catalogue(without), engine.simulators)
+    judge = Judge(engine, effects, gates, progress, np.random.default_rng(seed))
     return judge.decide()
 
 

@@ -56,6 +56,18 @@ def catalogue(without: Iterable[str] = (), base_lacks: Iterable[str] = ()) -> li
     ]
 
 
+def shown_by(effects: Iterable[Effect], simulators: Sequence[Simulator]) -> list[Effect]:
+    """Return the effects that these recordings' kind of input can show: commands, twists, or measured wheel speeds."""
+    allowed = {"any"}
+    if not any(s.measured_input for s in simulators):
+        allowed.add("command")
+    if all(
+        s.prepared.recording.twist is not None and s.prepared.recording.command is None for s in simulators
+    ):
+        allowed.add("twist")
+    return [e for e in effects if e.input in allowed]
+
+
 def variants(effect: Effect) -> tuple[tuple[str, ...], ...]:
     """Return the sets of parameters worth fitting."""
     return effect.variants or (tuple(p.name for p in effect.parameters if p.fitted),)

@@ -51,6 +51,7 @@ EFFECT = Effect(
     rivals=("motor_warmup", "motor_fault", "motor_gain_curve"),
     manoeuvre="a long drive with a pause, then the first straight again",
     sentence="The supply loses {per_charge} of its strength for each second of one motor's full command.",
+    input="command",
     source="Plett, Battery Management Systems I, 2015, section 2.2",
     variants=(("per_charge",), ("per_charge", "per_load")),
     memory=1,

@@ -44,5 +44,6 @@ EFFECT = Effect(
     rivals=("observation_delay", "clock_drift", "gear_backlash", "motor_asymmetric_lag"),
     manoeuvre="fast steps and slaloms with encoders, or a visible signal at the moment of a command",
     sentence="The wheels answer {delay} after the command.",
+    input="command",
     source="duckietown-world, pwm_dynamics.py and ApplyDelay",
 )

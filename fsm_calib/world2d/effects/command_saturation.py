@@ -38,6 +38,7 @@ EFFECT = Effect(
     manoeuvre="straights at five speeds up to full command",
     sentence="Commands beyond {limit} give no more speed.",
     source="Duckietown kinematics_node.py, parameter limit",
+    input="command",
     order=10,
     dissipative=True,
 )  # fmt: skip

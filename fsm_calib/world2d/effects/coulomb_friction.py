@@ -52,6 +52,7 @@ EFFECT = Effect(
     rivals=("caster_drag", "motor_deadband", "tyre_scrub", "motor_gain_curve"),
     manoeuvre="coasting to a stop from three speeds, and spins",
     sentence="Dry friction takes {friction} from each motor and holds it at rest.",
+    input="command",
     source="Armstrong-Helouvry et al. 1994; Park, Lee & Kuipers 2017",
     variants=(("friction",), ("friction", "difference")),
     order=70,

@@ -91,7 +91,8 @@ class Effect:
     `sentence` is the report's line, with ``{parameter}`` for fitted values; `variants` are the sets of
     parameters worth fitting (empty: all); `scan` tells the diagnosis to look for a ``place`` or a ``time``;
     `memory` counts the state slots that the step hook keeps; `order` sorts hooks within a stage (small
-    first); `per_recording` as in `Parameter`.
+    first); `input` says which drives can show it: any, commands (measured wheel speeds have their motors
+    behind them), or commanded twists.
     """
 
     name: str
@@ -111,6 +112,7 @@ class Effect:
     memory: int = 0
     order: int = 50
     dissipative: bool = False
+    input: Literal["any", "command", "twist"] = "any"
     summary: str = field(default="")
 
     def __post_init__(self) -> None:

@@ -62,6 +62,7 @@ EFFECT = Effect(
     rivals=("command_delay", "motor_asymmetric_lag", "caster_drag", "coulomb_friction"),
     manoeuvre="forward and reverse at three speeds",
     sentence="The gears have {gap} of play, seen at the wheel.",
+    input="command",
     source="Nordin & Gutman 2002",
     memory=2,
     order=65,

@@ -49,6 +49,7 @@ EFFECT = Effect(
     manoeuvre="starts and stops at three speeds",
     sentence="Slowing down takes {ratio} times as long as speeding up.",
     source="TI DRV8833 data sheet, decay modes",
+    input="command",
     order=60,
     dissipative=True,
 )

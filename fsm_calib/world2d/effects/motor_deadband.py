@@ -56,6 +56,7 @@ EFFECT = Effect(
     manoeuvre="straights and spins at five speeds down to commands of 0.05",
     sentence="The motors lose {offset} of every command (negative: the driver adds too much).",
     source="Duckietown dagu_wheels_driver.py; Tao & Kokotovic 1996",
+    input="command",
     order=30,
     dissipative=True,
 )

@@ -50,6 +50,7 @@ EFFECT = Effect(
     rivals=("motor_warmup", "battery_sag", "external_push"),
     manoeuvre="repeat the drive: a fault does not come back at the same time",
     sentence="From {start} for {duration} the motors lose {loss_left} (left), {loss_right} (right).",
+    input="command",
     source="Roumeliotis, Sukhatme & Bekey, ICRA 1998",
     scan="time",
     variants=(

@@ -50,5 +50,6 @@ EFFECT = Effect(
     manoeuvre="straights at five speeds from 0.05 to full command",
     sentence="The motors' gain changes by {curvature} of itself over the range of commands.",
     source="torque-speed line with a non-ideal driver",
+    input="command",
     order=40,
 )

@@ -52,5 +52,6 @@ EFFECT = Effect(
     sentence="Backwards the motors give {loss} less speed than forwards.",
     source="Hughes & Drury, Electric Motors and Drives, 5th ed., section 3.2",
     variants=(("loss",), ("loss", "difference")),
+    input="command",
     order=45,
 )

@@ -55,6 +55,7 @@ EFFECT = Effect(
     rivals=("battery_sag", "motor_fault"),
     manoeuvre="a long drive with a pause, then the first straight again",
     sentence="Warming up changes the left motor by {change_left} and the right one by {change_right}.",
+    input="command",
     source="Hughes & Drury, Electric Motors and Drives, 5th ed., section 11.3",
     variants=(
         ("change_left", "effort"),
