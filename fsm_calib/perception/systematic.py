@@ -8,9 +8,10 @@ unknowns eliminated, and
 
     C_sys = a^2 S^-1 (sum_bi G_bi' G_bi) S^-1
 
-is added to the covariance. a = 0.015 px is what rendered boards show after the bias of curved edges is taken
-off; without it the predicted error of a long scan is three times too small. The form is the cluster-robust
-covariance of Liang and Zeger, Biometrika 1986, with the errors' size assumed rather than estimated.
+is added to the covariance. a = 0.025 px is what explains the true errors of rendered scans, after the bias of
+curved edges is taken off; without it the predicted error of a long scan is three times too small. The form is
+the cluster-robust covariance of Liang and Zeger, Biometrika 1986, with the errors' size assumed rather than
+estimated.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 from fsm_calib.perception.bundle import Solution
 from fsm_calib.types import FloatArray
 
-REPEATED_ERROR_PX = 0.015  # per coordinate; see the module
+REPEATED_ERROR_PX = 0.025  # per coordinate; see the module
 
 
 def systematic_covariance(
