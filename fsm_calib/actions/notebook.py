@@ -170,15 +170,13 @@ class Notebook:
     def to_state(self) -> dict[str, Any]:
         """Return the notebook as plain JSON values."""
         state = {item.name: getattr(self, item.name) for item in fields(self)}
-        for name in ("figures", "mount", "reading", "last_step"):
-            state[name] = asdict(state[name]) if state[name] is not None else None
+        state["figures"] = asdict(self.figures) if self.figures is not None else None
+        for name in ("mount", "reading", "last_step"):
+            state[name] = _record(state[name]) if state[name] is not None else None
         for name in ("runs", "lane_runs", "readings", "lane_readings"):
             state[name] = [_record(item) for item in state[name]]
         state["marker_map"] = {str(number): [p.x, p.y, p.theta] for number, p in self.marker_map.items()}
-        state["views"] = [
-            {"corners": _pack(view.corners_image), "board": view.board, "source": view.source}
-            for view in self.views
-        ]
+        state["views"] = [_view_state(view) for view in self.views]
         state["camera"] = _camera_state(self.camera)
         state["panorama"] = _pack(self.panorama)
         return state
@@ -205,9 +203,15 @@ class Notebook:
 
 
 @lru_cache(maxsize=4096)
-def _record(item: WheelRun | MarkerReading) -> dict[str, Any]:
+def _record(item: WheelRun | MarkerReading | CameraMount | Pose2) -> dict[str, Any]:
     """Return a frozen record as plain values; kept, because a checkpoint after every event asks again."""
     return asdict(item)
+
+
+@lru_cache(maxsize=1024)
+def _view_state(view: BoardView) -> dict[str, Any]:
+    """Return a view as plain values; kept like `_record`'s."""
+    return {"corners": _pack(view.corners_image), "board": view.board, "source": view.source}
 
 
 def _camera_state(camera: CameraModel | None) -> dict[str, Any] | None:

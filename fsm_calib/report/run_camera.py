@@ -6,13 +6,13 @@ import numpy as np
 
 from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.report.run_record import RunRecord
-from fsm_calib.report.run_style import BOARD_COLOURS, figure, svg
+from fsm_calib.report.run_style import BOARD_COLOURS, Margins, figure, svg
 
 
 def coverage(record: RunRecord) -> str:
     """Return every corner of every view over the image as SVG, coloured by board."""
     width, height = record.notebook.image_size
-    with figure(4.6, 3.6) as fig:
+    with figure(4.6, 3.6, Margins(top=0.42)) as fig:
         axes = fig.add_subplot()
         for board in sorted({view.board for view in record.notebook.views}):
             corners = np.vstack([view.corners_image for view in record.notebook.views if view.board == board])

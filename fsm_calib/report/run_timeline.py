@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from fsm_calib.report.run_record import RunRecord
-from fsm_calib.report.run_style import PHASE_COLOURS, figure, svg
+from fsm_calib.report.run_style import PHASE_COLOURS, Margins, figure, svg
 
 ROW = 0.17
 """Height of a row [inch]."""
+LETTER = 0.066
+"""Width of a letter of a state's name [inch], with the blanks around its slashes."""
 
 
 def time_line(record: RunRecord) -> str:
     """Return the time line of states as SVG; states in the order in which they were first entered."""
     rows = list(dict.fromkeys(path for path, _, _ in record.spans))
-    with figure(9.0, 0.8 + ROW * max(len(rows), 3)) as fig:
+    margins = Margins(left=0.2 + LETTER * max(map(len, rows)))
+    with figure(9.0, 0.8 + ROW * max(len(rows), 3), margins) as fig:
         axes = fig.add_subplot()
         for path, begin, end in record.spans:
             colour = PHASE_COLOURS.get(path.split("/")[0], "#555555")
             axes.barh(rows.index(path), max(end - begin, 0.05), left=begin, height=0.72, color=colour)
         axes.set_yticks(range(len(rows)), [path.replace("/", " / ") for path in rows], fontsize=7.5)
-        axes.invert_yaxis()
+        axes.set_ylim(len(rows) - 0.4, -0.6)
         axes.set_xlabel("robot time [s]")
         axes.grid(axis="x", color="#e3e3e3", linewidth=0.6)
         axes.set_axisbelow(True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.actions.bench import KeptFrame
+from fsm_calib.perception.encoded import encode_jpeg
 
 JPEG_QUALITY = 82
 """Quality of kept frames, 1 to 95: small, and corners still look like corners."""
@@ -90,7 +91,7 @@ class Gallery:
 
     def to_state(self) -> list[dict[str, Any]]:
         """Return the pictures as plain JSON values."""
-        return [asdict(picture) for picture in self.pictures]
+        return [vars(picture) for picture in self.pictures]
 
     @classmethod
     def from_state(cls, directory: Path, most: int, state: list[dict[str, Any]]) -> Gallery:
@@ -100,9 +101,5 @@ class Gallery:
 
 def _write(path: Path, image: NDArray[np.uint8]) -> None:
     """Write a grey or BGR image as JPEG."""
-    import matplotlib.image
-
     path.parent.mkdir(exist_ok=True)
-    shown = image[..., ::-1] if image.ndim == 3 else image
-    quality = {"quality": JPEG_QUALITY}
-    matplotlib.image.imsave(path, shown, cmap="gray", vmin=0, vmax=255, format="jpg", pil_kwargs=quality)
+    path.write_bytes(encode_jpeg(image, JPEG_QUALITY))

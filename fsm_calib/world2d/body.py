@@ -65,6 +65,11 @@ def largest_stable_step(parameters: FloatArray) -> float:
     return min(LARGEST_STEP, fastest / STEPS_PER_TIME_CONSTANT)
 
 
+def _floats(array: FloatArray) -> memoryview[float]:
+    """Return a view of an array whose elements are read and written as plain floats: four times faster."""
+    return array.data.cast("B").cast("d")
+
+
 class RobotBody:
     """A Duckiebot in a pymunk space.
 
@@ -96,6 +101,7 @@ class RobotBody:
         self.space = space
         self._bench = np.zeros(BENCH_SIZE)
         self._state = np.zeros(MEMORY + memory_places()[1])
+        self._slots, self._work = _floats(self._state), _floats(self._bench)
         self._history: deque[tuple[float, float, float]] = deque([(-math.inf, 0.0, 0.0)])
         self.set_parameters(parameters)
         self.body = self._make_body(pose)
@@ -116,8 +122,10 @@ class RobotBody:
         parameter_table().check(parameters)
         self._parameters = np.array(parameters, dtype=float)
         self._on = active_flags(self._parameters)
-        kernel().begin(self._parameters, self._on, self._bench)
-        self._delay = float(kernel().delay(self._parameters, self._on))
+        self._kernel = kernel()
+        self._kernel.begin(self._parameters, self._on, self._bench)
+        self._delay = float(self._kernel.delay(self._parameters, self._on))
+        self._shaped: dict[tuple[float, float], tuple[float, float]] = {}
         if hasattr(self, "body"):
             self.body.mass, self.body.moment = self._bench[MASS], self._bench[INERTIA]
             self.body.center_of_gravity = (self._bench[COM_X], self._bench[COM_Y])
@@ -174,7 +182,7 @@ class RobotBody:
         """
         self.prepare(command, dt)
         self.space.step(dt)
-        self._state[TIME] += dt
+        self._slots[TIME] += dt
 
     def prepare(self, command: WheelCommand, dt: float) -> None:
         """Set the body's velocity and force for a step of `dt` [s] that the caller makes (see `step` for
@@ -186,20 +194,21 @@ class RobotBody:
             raise InputError(f"the wheel command is {command}, expected finite numbers")
         self._read_body()
         left, right = self._mean_command(command, dt)
-        kernel().single_step(self._parameters, self._on, self._state, self._bench, left, right, dt)
+        self._kernel.single_step(self._parameters, self._on, self._state, self._bench, left, right, dt)
         self._write_body(dt)
 
     def _mean_command(self, command: WheelCommand, dt: float) -> tuple[float, float]:
         """Return the shaped commands that act in this step, late by the delay, averaged over the step."""
-        now, shape = float(self._state[TIME]), kernel().shape
-        levels = (
-            shape(self._parameters, self._on, command.left, 0),
-            shape(self._parameters, self._on, command.right, 1),
-        )
-        history, begin, end = self._history, now - self._delay, now + dt - self._delay
-        history.append((now, *levels))
+        left, right = self._shape(command)
+        history, now = self._history, self._slots[TIME]
+        if len(history) == 1 and history[0][1] == left and history[0][2] == right:
+            return left, right  # as before, and nothing else is on its way
+        begin, end = now - self._delay, now + dt - self._delay
+        history.append((now, left, right))
         while len(history) > 1 and history[1][0] <= begin:
             history.popleft()
+        if len(history) == 1:
+            return left, right
         total_left = total_right = 0.0
         for i, (since, left, right) in enumerate(history):
             until = history[i + 1][0] if i + 1 < len(history) else math.inf
@@ -207,11 +216,22 @@ class RobotBody:
             total_left, total_right = total_left + part * left, total_right + part * right
         return total_left / dt, total_right / dt
 
+    def _shape(self, command: WheelCommand) -> tuple[float, float]:
+        """Return the shaped levels of both wheels; a command that is held is shaped once."""
+        key = command.left, command.right
+        if key not in self._shaped:
+            shape = self._kernel.shape
+            left = float(shape(self._parameters, self._on, command.left, 0))
+            right = float(shape(self._parameters, self._on, command.right, 1))
+            self._shaped = {key: (left, right)}
+        return self._shaped[key]
+
     def _read_body(self) -> None:
         """Take pose and twist of the axle from pymunk, which contacts may have changed."""
-        state, bench, body = self._state, self._bench, self.body
-        c, s = math.cos(body.angle), math.sin(body.angle)
-        (state[X], state[Y]), state[THETA] = body.position, body.angle
+        state, bench, body = self._slots, self._work, self.body
+        angle = body.angle
+        c, s = math.cos(angle), math.sin(angle)
+        (state[X], state[Y]), state[THETA] = body.position, angle
         state[HEADING_COS], state[HEADING_SIN] = c, s
         (vx, vy), omega = body.velocity, body.angular_velocity
         state[V] = c * vx + s * vy + omega * bench[COM_Y]
@@ -220,11 +240,10 @@ class RobotBody:
 
     def _write_body(self, dt: float) -> None:
         """Give pymunk the mean velocity of the step and the force to the velocity after it."""
-        bench, body = self._bench, self.body
-        body.velocity = (bench[MEAN_VX], bench[MEAN_VY])
-        body.angular_velocity = bench[MEAN_OMEGA]
-        body.force = (
-            bench[MASS] * (bench[NEXT_VX] - bench[MEAN_VX]) / dt,
-            bench[MASS] * (bench[NEXT_VY] - bench[MEAN_VY]) / dt,
-        )
-        body.torque = bench[INERTIA] * (bench[NEXT + OMEGA] - bench[MEAN_OMEGA]) / dt
+        bench, body = self._work, self.body
+        vx, vy, omega = bench[MEAN_VX], bench[MEAN_VY], bench[MEAN_OMEGA]
+        push = bench[MASS] / dt
+        body.velocity = (vx, vy)
+        body.angular_velocity = omega
+        body.force = (push * (bench[NEXT_VX] - vx), push * (bench[NEXT_VY] - vy))
+        body.torque = bench[INERTIA] / dt * (bench[NEXT + OMEGA] - omega)

@@ -19,6 +19,8 @@ from fsm_calib.world2d.stages import scene_stages
 _NOISE_STREAM = 1
 _NOISE_BLOCK = 256
 """Knots of the drive noise that one generator draws."""
+_Place = tuple[float, float, float]
+"""x, y [m], theta [rad]: a pose, a microsecond cheaper."""
 _WEAR_GRAIN = 0.02
 """Driven distance after which a worn ratio is brought up to date [m]."""
 
@@ -34,9 +36,9 @@ class Motion:
         self._stages = deque(scene_stages(spec))
         self._shapes: list[pymunk.Shape] = []
         self.ticks, self.odometer, self.worn_at = 0, 0.0, 0.0
-        self._noise = np.zeros((0, 2))
+        self._noise: list[list[float]] = []
         self._noise_block = -1
-        self.recent: deque[Pose2] = deque(maxlen=1 + math.ceil(spec.optics.exposure / spec.settings.step))
+        self._recent: deque[_Place] = deque(maxlen=1 + math.ceil(spec.optics.exposure / spec.settings.step))
         self._trace_every = max(1, round(spec.settings.trace_period / spec.settings.step))
         self.trace: list[tuple[float, float, float, float]] = []
         self._freeze_at = min((f.at for f in spec.faults if isinstance(f, FrozenFrames)), default=math.inf)
@@ -50,16 +52,21 @@ class Motion:
         return self.ticks * self._spec.settings.step
 
     def _note(self) -> None:
-        pose = self.body.pose
-        self.recent.append(pose)
+        (x, y), theta = self.body.body.position, self.body.body.angle
+        self._recent.append((x, y, theta))
         if self.ticks % self._trace_every == 0:
-            self.trace.append((self.time, pose.x, pose.y, pose.theta))
+            self.trace.append((self.time, x, y, theta))
         if self._frozen is None and self.time >= self._freeze_at:
-            self._frozen = self.time, list(self.recent)
+            self._frozen = self.time, self.recent
+
+    @property
+    def recent(self) -> list[Pose2]:
+        """The poses of the last exposure time, the newest last."""
+        return [Pose2(*place) for place in self._recent]
 
     def frozen_view(self) -> tuple[float, list[Pose2]]:
         """Return when the camera froze [s] and the poses of that exposure; now, when it has not."""
-        return self._frozen or (self.time, list(self.recent))
+        return self._frozen or (self.time, self.recent)
 
     def _change_scene(self) -> None:
         """Exchange the obstacles when a fault changes the scene."""
@@ -80,10 +87,10 @@ class Motion:
                 np.random.default_rng([self._spec.seed, _NOISE_STREAM, b]).standard_normal((_NOISE_BLOCK, 2))
                 for b in (block, block + 1)
             ]
-            self._noise, self._noise_block = settings.drive_noise * np.vstack(draws), block
+            self._noise, self._noise_block = (settings.drive_noise * np.vstack(draws)).tolist(), block
         share = place - knot
         (a, b), (c, d) = self._noise[index], self._noise[index + 1]
-        return float(a + share * (c - a)), float(b + share * (d - b))
+        return a + share * (c - a), b + share * (d - b)
 
     def step(self, left: float, right: float) -> None:
         """Hold the commands [1] for one step."""
@@ -94,10 +101,10 @@ class Motion:
         self._wear_down()
         self.body.step(WheelCommand(left, right), settings.step)
         self.ticks += 1
-        before = self.recent[-1]
+        before = self._recent[-1]
         self._note()
-        after = self.recent[-1]
-        self.odometer += math.hypot(after.x - before.x, after.y - before.y)
+        after = self._recent[-1]
+        self.odometer += math.hypot(after[0] - before[0], after[1] - before[1])
         if self._stages:
             self._change_scene()
 

@@ -68,7 +68,7 @@ class Shutter:
         if self._is_dropped(time, number):
             return None
         if not self._active(FrozenFrames, time):
-            return Frame(self._picture(time, list(motion.recent), number), time, number)
+            return Frame(self._picture(time, motion.recent, number), time, number)
         if self._frozen is None:
             when, poses = motion.frozen_view()
             self._frozen = self._picture(when, poses, _FROZEN_NUMBER)

@@ -123,19 +123,24 @@ def _grain(
     `weights`.
     """
     rng = np.random.default_rng(seed)
-    total = np.zeros(shape, dtype=np.float32)
+    total: NDArray[Any] = np.zeros(shape, dtype=np.float32)
     for sigma, weight in zip(sigmas, weights, strict=True):
         small = max(1, int(sigma / 2.0))
         coarse = rng.standard_normal((-(-shape[0] // small) + 1, -(-shape[1] // small) + 1), dtype=np.float32)
         smooth = cv2.GaussianBlur(coarse, (0, 0), max(sigma / small, 0.3))
         grown = cv2.resize(smooth, (shape[1], shape[0]), interpolation=cv2.INTER_LINEAR)
-        total += np.float32(weight) * grown / np.float32(max(float(grown.std()), 1e-6))
+        deviation = float(cv2.meanStdDev(grown)[1][0, 0])
+        total = cv2.scaleAdd(grown, weight / max(deviation, 1e-6), total)
     return total
 
 
 def _tinted(colour: tuple[float, float, float], grain: NDArray) -> Image:
-    plane = np.asarray(colour, dtype=np.float32) * (1.0 + grain[..., None] / 100.0)
-    return np.clip(plane, 0, 255).astype(np.uint8)
+    return cv2.merge([_speckled(level, grain) for level in colour])
+
+
+def _speckled(level: float, grain: NDArray) -> Image:
+    """Return a plane of grey `level` [0 to 255] that varies by `grain` [%], rounded downwards."""
+    return cv2.convertScaleAbs(grain, alpha=level / 100.0, beta=level - 0.5)
 
 
 @lru_cache(maxsize=4)
@@ -143,7 +148,7 @@ def floor_texture(width: float, height: float) -> Texture:
     """Return dark foam tiles of 0.61 m with grain and joints, `width` x `height` [m]."""
     shape = (round(height * FLOOR_SCALE), round(width * FLOOR_SCALE))
     grain = _grain(shape, (1.0, 6.0, 90.0), (5.0, 2.5, 5.0), seed=11)
-    image = np.clip(FLOOR_GRAY * (1.0 + grain / 100.0), 0, 255).astype(np.uint8)
+    image = _speckled(FLOOR_GRAY, grain)
     step = round(0.61 * FLOOR_SCALE)
     image[::step], image[:, ::step] = 46, 46
     return make_texture(image, FLOOR_SCALE)
