@@ -73,14 +73,17 @@ def validate(scenario: Annotated[Path, typer.Argument(help="A scenario file.", s
 @app.command()
 def schema(
     out: Annotated[Path | None, typer.Option(help="Write to this file instead of standard output.")] = None,
+    study: Annotated[bool, typer.Option("--study", help="The schema of study files instead.")] = False,
 ) -> None:
-    """Print the JSON Schema of scenario files, for editors."""
+    """Print the JSON Schema of scenario files, or of study files, for editors."""
     from fsm_calib.scenario.schema import schema_text
+    from fsm_calib.study.schema import study_schema_text
 
+    text = study_schema_text() if study else schema_text()
     if out is None:
-        typer.echo(schema_text(), nl=False)
+        typer.echo(text, nl=False)
     else:
-        out.write_text(schema_text(), encoding="utf-8")
+        out.write_text(text, encoding="utf-8")
 
 
 @app.command()
