@@ -30,7 +30,7 @@ from fsm_calib.types import BoardSpec, BoardView, CameraModel, FloatArray
 
 _FREE = np.nonzero(~held_intrinsics(4))[0]
 _FLEET_WIDTHS = 3.0  # the fleet's spread, this many times wider, guards a scan's first solves
-_QUICK_FIT = BundleSettings(most_steps=10, smallest_gain=1e-3)
+_SCAN_FIT = BundleSettings(most_steps=60, smallest_gain=1e-7)  # six views of one board make a long valley
 _FIRST_NOISE_PX = 0.2  # of a corner coordinate before the scan has measured its own
 
 
@@ -97,7 +97,7 @@ def begin_scan(image_size: tuple[int, int], boards: int, guess: CameraModel | No
 def solve_scan(
     views: Sequence[BoardView], board: BoardSpec, progress: ScanProgress, *, boards: int | None = None
 ) -> ScanProgress:
-    """Return the progress after a solve with all `views`, started from the last camera: about 20 ms for
+    """Return the progress after a solve with all `views`, started from the last camera: about 40 ms for
     60 views.
     """
     image_size = (progress.camera.width, progress.camera.height)
@@ -110,7 +110,7 @@ def solve_scan(
     start = start_poses(intrinsics_vector(progress.camera), corners, board.points_board())
     prior = _prior(fleet_start(image_size), image_size)
     kept = np.ones(corners.shape[:2])
-    solution = fit(problem, start, held_intrinsics(4), kept, _QUICK_FIT, prior)
+    solution = fit(problem, start, held_intrinsics(4), kept, _SCAN_FIT, prior)
     weights = np.repeat(solution.weights, 2, axis=1)
     freedom = max(weights.size - 6 * len(views) - _FREE.size, 1)
     noise = float(np.sqrt(np.sum(weights * solution.residual**2) / freedom))
