@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import time
 from collections.abc import Iterator, Sequence
@@ -47,6 +48,7 @@ def calibrate_camera(
     from fsm_calib.perception.photos import find_in_photos
 
     spec = parse_board(board, square)
+    check_places(json_file, out, report)
     photos = find_in_photos(images, spec)
     result = calibrate(photos.views, spec, photos.image_size)
     _write_all(result, photos, spec, json_file, report)
@@ -84,9 +86,27 @@ def parse_board(texts: Sequence[str], square: float) -> BoardSpec:
     return BoardSpec(columns, rows, square)
 
 
+def check_places(*files: Path | None) -> None:
+    """Refuse files that cannot be written, before the work rather than after it.
+
+    Raises
+    ------
+    InputError
+        The folder is missing, is no folder or may not be written to, or the file is a folder.
+    """
+    for path in (file for file in files if file is not None):
+        folder = path.parent
+        if not folder.is_dir():
+            raise InputError(
+                "cannot be written: no such folder", where=str(path), cure=f"Create {folder} first."
+            )
+        if path.is_dir() or not os.access(path if path.exists() else folder, os.W_OK):
+            raise InputError("cannot be written", where=str(path), cure="Give a file that may be written.")
+
+
 def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str:
     """Return what a person wants to know, some twenty lines."""
-    from fsm_calib.report.camera_report import parameter_rows, verdict
+    from fsm_calib.report.camera_words import parameter_rows, verdict
 
     bars = result.coverage
     lines = [
@@ -113,7 +133,6 @@ def _write_all(
 ) -> None:
     from fsm_calib.perception.camera_files import calibration_json
     from fsm_calib.perception.photos import read_photo
-    from fsm_calib.report.camera_report import camera_report
 
     if json_file is not None:
         data = calibration_json(result)
@@ -122,6 +141,8 @@ def _write_all(
         data["boards_found"] = len(photos.views)
         json_file.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
     if report is not None:
+        from fsm_calib.report.camera_report import camera_report
+
         source = photos.views[0].source
         example = (Path(source).name, read_photo(Path(source), colour=True))
         report.write_text(camera_report(result, photos.views, spec, example), encoding="utf-8")

@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.perception.calibration import CameraCalibration
-from fsm_calib.perception.information import advice, weakest_region
-from fsm_calib.perception.lens import INTRINSICS, intrinsics_vector
 from fsm_calib.report.camera_figures import (
     coverage_bars,
     error_map,
@@ -20,9 +18,8 @@ from fsm_calib.report.camera_figures import (
     residual_arrows,
     undistorted_view,
 )
+from fsm_calib.report.camera_words import parameter_rows, verdict
 from fsm_calib.types import BoardSpec, BoardView
-
-_GOOD_PX = 0.6  # predicted error of 30 careful hand-held views (parity), at 0.2 px of corner noise
 
 
 def camera_report(
@@ -61,24 +58,3 @@ def camera_report(
         example="" if example is None else example[0],
         parameters=parameter_rows(calibration),
     )
-
-
-def verdict(calibration: CameraCalibration) -> str:
-    """Return what the calibration is good for, in one or two sentences."""
-    error = calibration.predicted_map
-    if error.rms <= _GOOD_PX:
-        return (
-            f"As good as a careful person's 30 views or better; least certain at the {weakest_region(error)}."
-        )
-    return advice(error)
-
-
-def parameter_rows(calibration: CameraCalibration) -> list[tuple[str, str, str]]:
-    """Return (name, value, standard deviation) of each intrinsic that the model has."""
-    vector, deviation = intrinsics_vector(calibration.camera), calibration.parameter_deviation
-    rows = []
-    for name, value in zip(INTRINSICS, vector, strict=True):
-        digits = 2 if name in ("fx", "fy", "cx", "cy") else 5
-        if name in deviation:
-            rows.append((name, f"{value:.{digits}f}", f"{deviation[name]:.{digits}f}"))
-    return rows
