@@ -38,6 +38,9 @@ class TurnSettings:
         A turn seen in the picture below this is none [rad]; the picture tells 0.3 deg.
     clear_likeness : float
         A shifted picture explains the change when it removes this share of it [1].
+    still_change : float
+        Two pictures that differ by less than this are of a robot that stands [grey levels, rms]; noise alone
+        gives 1, a turn of 0.5 deg 10 and more.
     """
 
     quantum: float = 0.1
@@ -52,6 +55,7 @@ class TurnSettings:
     largest_align_step: float = math.radians(12.0)
     smallest_turn: float = math.radians(0.5)
     clear_likeness: float = 0.15
+    still_change: float = 4.0
 
 
 @dataclass(frozen=True, slots=True)

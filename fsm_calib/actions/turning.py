@@ -84,26 +84,40 @@ def _push_and_look(bench: Bench, way: str, command: float, *, reverse: bool = Fa
     if before is None or after is None:
         return Step(frame, 0.0)
     turn = turn_between(before, after)
-    if not _has_turned(bench, turn):
+    if _stands_still(bench, turn):
         return Step(frame, 0.0)
+    if turn.likeness < bench.settings.turn.clear_likeness:
+        return Step(frame, _expected_turn(bench, way, -command if reverse else command))
     if not reverse:
         _learn(bench, way, command, turn.angle)
     return Step(frame, turn.angle)
 
 
-def _has_turned(bench: Bench, turn: Turn) -> bool:
+def _stands_still(bench: Bench, turn: Turn) -> bool:
+    """Whether the picture is the same but for its noise, or shifted by less than can be told."""
     settings = bench.settings.turn
-    return abs(turn.angle) >= settings.smallest_turn and turn.likeness >= settings.clear_likeness
+    is_clear = turn.likeness >= settings.clear_likeness
+    return turn.change < settings.still_change or (is_clear and abs(turn.angle) < settings.smallest_turn)
+
+
+def _expected_turn(bench: Bench, way: str, command: float) -> float:
+    """Return the angle that a push should have turned [rad]: for a picture that changed but is no shifted
+    one, as over markers so near that the robot's own motion distorts them.
+    """
+    angle = _gain(bench, way) * command
+    return -angle if way == CLOCKWISE else angle
 
 
 def _command_for(bench: Bench, way: str, angle: float) -> float:
-    settings, notebook = bench.settings.turn, bench.notebook
-    gain = notebook.push_gain.get(way)
-    if gain is None:
-        other = next(iter(notebook.push_gain.values()), None)
-        gain = other if other is not None else settings.scan_step / settings.first_command
-    wanted = max(angle / gain, 1.05 * notebook.push_floor)
-    return min(wanted, settings.largest_command)
+    wanted = max(angle / _gain(bench, way), 1.05 * bench.notebook.push_floor)
+    return min(wanted, bench.settings.turn.largest_command)
+
+
+def _gain(bench: Bench, way: str) -> float:
+    """Return the angle per unit command of a push [rad]: learnt, or the other way's, or the nominal one."""
+    settings, learnt = bench.settings.turn, bench.notebook.push_gain
+    nominal = settings.scan_step / settings.first_command
+    return learnt.get(way, next(iter(learnt.values()), nominal))
 
 
 def _learn(bench: Bench, way: str, command: float, angle: float) -> None:
