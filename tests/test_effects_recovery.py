@@ -19,7 +19,7 @@ from fsm_calib.world2d.rollout import Drive
 NAMES = sorted(registry())
 NOISE = np.array([0.002, 0.002, 0.006])
 STAMPS = np.arange(0.0, 40.0, 0.05)
-REDUNDANT = {"unequal_motors": ("gain_right",)}
+REDUNDANT = {"unequal_motors": ("gain_right",), "skid_steer": ("axle_length",)}
 """Base parameters that say the same as an effect (it exists for bases that lack them) and are therefore
 held."""
 START = (-0.1, -0.05, 0.4)

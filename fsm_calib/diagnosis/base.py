@@ -16,7 +16,9 @@ from fsm_calib.world2d.parameters import NUISANCE, parameter_table
 SLIP_SPREAD = (
     0.006  # m/s: tyres of small robots differ by half of the default slip speed (benchmarks/rollout.py)
 )
-AXLE_SPREAD = 0.1  # of the stated axle: a tape measures the track, tyres touch the floor a width beside it
+AXLE_SPREAD = 0.05  # of the stated axle: a tape measures the track, tyres touch the floor a width beside it
+RADIUS_SPREAD = 0.05  # of the stated radius: tyres wear and are squeezed; the scale of measured wheel speeds
+FARTHEST = 4.0  # spreads: an axle or a wheel farther from the stated one is another physics, not a re-fit
 ROUNDS = 4  # fit and noise in turn; two suffice on clean data
 ENOUGH = 0.5  # log-likelihood units between rounds
 
@@ -35,15 +37,23 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
     if any(s.prepared.has_encoders for s in simulators):
         names += ["wheel_radius_left", "wheel_radius_right"]
     slots = [slot_of(name) for name in names]
-    stated = simulators[0].prepared.recording.robot.axle_length
-    if stated:
-        place = names.index("axle_length")
-        slots[place] = replace(slots[place], centre=stated, spread=AXLE_SPREAD * stated)
+    robot = simulators[0].prepared.recording.robot
+    if robot.axle_length:
+        slots[2] = near(slots[2], robot.axle_length, AXLE_SPREAD)
+    if robot.wheel_radius and simulators[0].measured_input:
+        slots[:2] = [near(slot, float(values[slot.place]), RADIUS_SPREAD) for slot in slots[:2]]
     if not simulators[0].measured_input:
         slip = slot_of("slip_speed")
         centre = float(values[slip.place])
         slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=SLIP_SPREAD))
     return tuple(slots)
+
+
+def near(slot: Slot, stated: float, spread: float) -> Slot:
+    """Return the slot with a prior around a stated value, `spread` relative to it, and bounds not far beyond."""
+    slack = spread * stated
+    low, high = stated - FARTHEST * slack, stated + FARTHEST * slack
+    return replace(slot, low=low, high=high, centre=stated, spread=slack)
 
 
 def slot_of(name: str, run: int = -1) -> Slot:

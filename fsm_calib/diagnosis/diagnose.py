@@ -10,6 +10,7 @@ from fsm_calib.diagnosis.decide import Decision, decide
 from fsm_calib.diagnosis.explain import verdict_of
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates
 from fsm_calib.diagnosis.heldout import Comparison, compare
+from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.settings import DEFAULT_SETTINGS, Settings
 from fsm_calib.diagnosis.simulator import Simulator, make_simulator
@@ -19,13 +20,14 @@ from fsm_calib.recording.recording import Recording
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """A verdict with everything that it was drawn from, for reports."""
+    """A verdict with everything that it was drawn from, for reports; notes : what was done to the recordings first."""
 
     verdict: Verdict
     decision: Decision
     train: Comparison
     holdout: Comparison | None
     holdout_simulators: tuple[Simulator, ...]
+    notes: tuple[str, ...] = ()
 
 
 def diagnose(
@@ -52,8 +54,9 @@ def diagnose(
         A recording has no poses with headings, too few of them, or no input.
     """
     began = perf_counter()
-    simulators = tuple(make_simulator(prepare(r, settings)) for r in recordings)
-    new = tuple(make_simulator(prepare(r, settings)) for r in holdouts)
+    taken = take_in(recordings, holdouts)
+    simulators = tuple(make_simulator(prepare(r, settings)) for r in taken.train)
+    new = tuple(make_simulator(prepare(r, settings)) for r in taken.holdout)
     read = perf_counter() - began
     decision = decide(simulators, without=without, gates=gates, progress=progress, seed=seed)
     decision.seconds["prepare"] = read
@@ -63,4 +66,4 @@ def diagnose(
     holdout = compare(new, decision.base, decision.model.fit, new=True) if new else None
     decision.seconds["proof"] = perf_counter() - began
     verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
-    return Diagnosis(verdict, decision, train, holdout, new)
+    return Diagnosis(verdict, decision, train, holdout, new, taken.notes)

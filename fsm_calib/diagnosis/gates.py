@@ -22,7 +22,8 @@ class Gates:
     last milliseconds of the base's own tyres and motors; surprise : -log10 p of left-over structure in any feature
     group that is still noise; share : left-over log-likelihood over explained below which the equation may be
     inexact but the name stands; rival : evidence gap below which two names are one set; second : evidence that a
-    second effect needs; same : evidence gap of effects that are the same function of the data.
+    second effect needs; dominant : share of the base's error over the horizon below which a name stands whatever
+    finer structure is left (real trackers and floors always leave some).
     """
 
     detect: float = 12.0
@@ -32,6 +33,7 @@ class Gates:
     rival: float = 8.0
     second: float = 20.0
     unexplained_surprise: float = 6.0
+    dominant: float = 0.25
 
 
 DEFAULT_GATES = Gates()

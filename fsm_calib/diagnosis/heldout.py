@@ -44,3 +44,10 @@ def compare(simulators: Sequence[Simulator], base: Fit, fit: Fit, *, new: bool) 
     return Comparison(
         median_error(before), median_error(after), median_floor(after), gain, tuple(before), tuple(after)
     )
+
+
+def error_left(simulators: Sequence[Simulator], base: Fit, fit: Fit) -> float:
+    """Return the smaller of the shares of position and heading error over the horizon that `fit` leaves of `base`."""
+    both = compare(simulators, base, fit, new=False)
+    pairs = ((both.after.xy_m, both.before.xy_m), (both.after.theta_rad, both.before.theta_rad))
+    return min((after / before for after, before in pairs if before > 0.0), default=1.0)

@@ -6,9 +6,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fsm_calib.diagnosis.identify_inputs import wheels_of
+from fsm_calib.diagnosis.identify_motion import dead_reckon
 from fsm_calib.diagnosis.settings import DEFAULT_SETTINGS, Settings
 from fsm_calib.diagnosis.smoothing import SmoothTrack, lone_spikes, smooth_track
 from fsm_calib.errors import DataError
+from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Recording
 from fsm_calib.types import FloatArray
 
@@ -19,13 +22,17 @@ NOMINAL_RADIUS = 0.0318  # m, the same file
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """The measured poses that are used: time [s], x, y [m], theta [rad, unwrapped], shape (n,); dropped rows."""
+    """The measured poses that are used: time [s], x, y [m], theta [rad, unwrapped], shape (n,); dropped rows.
+
+    placed : whether x, y were measured; if not they are where the wheels would have brought the robot.
+    """
 
     time: FloatArray
     x: FloatArray
     y: FloatArray
     theta: FloatArray
     dropped: int = 0
+    placed: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +88,8 @@ def clean_poses(recording: Recording) -> Poses:
             f"{recording.source or recording.robot.name}: no pose channel with a heading",
             cure="Record x, y and theta, or use `fsm-calib identify` for positions alone.",
         )
+    placed = bool(np.isfinite(track.x).any())
+    track = track if placed else placed_by_wheels(recording, track)
     good = np.isfinite(track.x) & np.isfinite(track.y) & np.isfinite(track.theta)
     time, x, y, theta = track.time[good], track.x[good], track.y[good], np.unwrap(track.theta[good])
     dropped = int((~good).sum())
@@ -94,7 +103,18 @@ def clean_poses(recording: Recording) -> Poses:
             f"{recording.source or recording.robot.name}: {len(time)} usable poses, {FEWEST_FRAMES} are needed",
             cure="Record a longer drive.",
         )
-    return Poses(time, x, y, theta, dropped)
+    return Poses(time, x, y, theta, dropped, placed)
+
+
+def placed_by_wheels(recording: Recording, track: PoseTrack) -> PoseTrack:
+    """Return the headings with positions reckoned from the wheels: they tell where, but are no measurement."""
+    known = np.isfinite(track.theta)
+    time, theta = track.time[known], np.unwrap(track.theta[known])
+    wheels = wheels_of(recording)
+    left, right = wheels.between(time)
+    scale = wheels.nominal or wheels.size
+    x, y, _ = dead_reckon(0.5 * scale * (left + right), np.diff(theta), (0.0, 0.0, float(theta[0])))
+    return PoseTrack(time, x, y, theta)
 
 
 def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prepared:
@@ -118,7 +138,8 @@ def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prep
     if len(encoder_time):
         wheels = np.column_stack([np.interp(time, encoder_time, angles[:, i]) for i in range(2)])
     seen = np.zeros((len(time), 5), dtype=bool)
-    seen[at_pose, :3] = True
+    seen[at_pose, :2] = poses.placed
+    seen[at_pose, 2] = True
     moving = _moving(track, picked, axle, settings)
     seen[at_encoder, 3:] = _fresh(wheels[at_encoder], moving[at_encoder])[:, None]
     y = np.zeros((len(time), 5))

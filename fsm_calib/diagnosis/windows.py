@@ -20,6 +20,7 @@ from fsm_calib.diagnosis.whitening import _add_noise, _move, _propagate, _start,
 from fsm_calib.types import FloatArray
 
 WINDOW_STEP = 0.25  # s between starts of windows; overlapping windows steady the median
+LENGTH_SLACK = 0.15  # s by which a window may be too short or long (slow trackers: one frame)
 NORMAL_MEDIAN = 0.67449  # median of |N(0, 1)|
 
 
@@ -51,20 +52,22 @@ def prediction_windows(prepared: Prepared, noise: Noise, simulated: FloatArray) 
     floor = np.column_stack(
         [_median_radius(spread[:, 0], spread[:, 1]), NORMAL_MEDIAN * np.sqrt(spread[:, 2])]
     )
+    if not p.poses.placed:
+        error[:, :2], floor[:, 0] = np.nan, np.nan
     return Windows(p.time[ends], error, floor)
 
 
 def window_places(prepared: Prepared) -> tuple[np.ndarray, np.ndarray]:
     """Return the events (starts, ends) of windows that hold no gap and end at a measured pose."""
     time, horizon = prepared.time, prepared.settings.horizon
-    poses = np.flatnonzero(prepared.seen[:, 0])
+    poses = np.flatnonzero(prepared.seen[:, 2])
     wanted = np.arange(time[0] + 0.5, time[-1] - horizon, WINDOW_STEP)
     starts = poses[np.minimum(np.searchsorted(time[poses], wanted), len(poses) - 1)]
     ends = poses[np.minimum(np.searchsorted(time[poses], time[starts] + horizon), len(poses) - 1)]
     breaks = np.cumsum(prepared.restart)
     whole = (
         (breaks[starts] == breaks[ends])
-        & (np.abs(time[ends] - time[starts] - horizon) < 0.15)
+        & (np.abs(time[ends] - time[starts] - horizon) < max(LENGTH_SLACK, prepared.geometry[2]))
         & (starts < ends)
     )
     pairs = np.unique(np.column_stack([starts, ends])[whole], axis=0)

@@ -26,10 +26,26 @@ ASSUMED = "assumed; no published measurement was found"
 
 BASE: tuple[Parameter, ...] = (
     Parameter(
-        "gain_left", "K_l", "m/s", 0.636, 0.05, 3.0, 0.66, f"{KINEMATICS}; {SPREAD}", mirror="swap:gain_right"
+        "gain_left",
+        "K_l",
+        "m/s",
+        0.636,
+        0.05,
+        10.0,
+        0.66,
+        f"{KINEMATICS}; {SPREAD}",
+        mirror="swap:gain_right",
     ),
     Parameter(
-        "gain_right", "K_r", "m/s", 0.636, 0.05, 3.0, 0.60, f"{KINEMATICS}; {SPREAD}", mirror="swap:gain_left"
+        "gain_right",
+        "K_r",
+        "m/s",
+        0.636,
+        0.05,
+        10.0,
+        0.60,
+        f"{KINEMATICS}; {SPREAD}",
+        mirror="swap:gain_left",
     ),
     Parameter("axle_length", "b", "m", 0.100, 0.03, 1.0, 0.102, "Duckietown kinematics node: baseline 0.1 m"),
     Parameter("tau_forward", "tau_v", "s", 0.08, 0.005, 1.5, 0.09, MODEL),
