@@ -1,6 +1,6 @@
 """How honest the standard deviations of `identify` are: simulated robots, and how often 90 % intervals hold the truth.
 
-    python benchmarks/identify_coverage.py [displacement|wheels|position|command] [--seeds 100]
+    python benchmarks/identify_coverage.py {displacement,wheels,position,command} [--seeds 100] [--first 0]
 
 Each seed is another robot on another drive. The simulation integrates the kinematics in 2 ms steps and shares no code
 with the fit but the definition of the quantities. The bar is 85 to 95 %.
@@ -164,8 +164,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("kind", choices=("displacement", "wheels", "position", "command"))
     parser.add_argument("--seeds", type=int, default=100)
+    parser.add_argument("--first", type=int, default=0, help="the first seed")
     arguments = parser.parse_args()
-    rows = [errors(arguments.kind, seed) for seed in range(arguments.seeds)]
+    seeds = range(arguments.first, arguments.first + arguments.seeds)
+    rows = [errors(arguments.kind, seed) for seed in seeds]
     print(
         f"{arguments.kind}, {len(rows)} robots: quantity, share inside 90 %, mean and spread of error / sd, not told"
     )
