@@ -1,0 +1,176 @@
+"""Real photos, and the command on them: two chessboard sets, a floor board, a turned tag, damaged input."""
+
+import json
+import math
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from camera_views import BOARD, hand_held
+from typer.testing import CliRunner, Result
+
+import fsm_calib
+from fsm_calib.cli import app
+from fsm_calib.perception.camera_files import read_intrinsics
+from fsm_calib.perception.extrinsics import calibrate_extrinsics
+from fsm_calib.perception.ground import tag_poses
+from fsm_calib.perception.tags import find_tags
+from fsm_calib.types import BoardSpec, CameraModel
+
+ROOT = Path(fsm_calib.__file__).parent.parent
+PHOTOS = Path(os.environ.get("FSM_CALIB_SHARED", ROOT.parent / "shared")) / "photos"
+
+
+def photos(folder: str, pattern: str) -> list[Path]:
+    """Return real photos; skip the test where they are missing."""
+    found = sorted((PHOTOS / folder).glob(pattern))
+    if not found:
+        pytest.skip(f"needs {folder} below FSM_CALIB_SHARED/photos")
+    return found
+
+
+def calibrate_camera(*arguments: object) -> Result:
+    return CliRunner().invoke(app, ["calibrate-camera", *map(str, arguments)])
+
+
+@pytest.fixture
+def drawn(tmp_path: Path) -> list[Path]:
+    """Return five drawn photos of a 7x5 board, seen through the fleet's lens."""
+    squares = np.add.outer(np.arange(6), np.arange(8)) % 2
+    picture = cv2.copyMakeBorder(
+        np.kron(255 * squares, np.ones((40, 40))).astype(np.uint8),
+        40,
+        40,
+        40,
+        40,
+        cv2.BORDER_CONSTANT,
+        value=255,
+    )
+    inner = 80.0 + 40.0 * np.mgrid[0:7, 0:5].T.reshape(-1, 2) - 0.5
+    files = []
+    for index, view in enumerate(hand_held(5, 0.0, seed=4)):
+        place, _ = cv2.findHomography(inner, view.corners_image)
+        image = cv2.warpPerspective(picture, place, (640, 480), borderValue=200.0, flags=cv2.INTER_AREA)
+        files.append(tmp_path / f"photo{index}.png")
+        cv2.imwrite(str(files[-1]), image)
+    return files
+
+
+def test_the_opencv_set_is_solved_with_four_coefficients(tmp_path: Path) -> None:
+    out, camera_info = tmp_path / "camera.json", tmp_path / "camera.yaml"
+    answer = calibrate_camera(
+        *photos("opencv-left", "*.jpg"),
+        "--board",
+        "9x6",
+        "--square",
+        0.025,
+        "--json",
+        out,
+        "--out",
+        camera_info,
+    )
+    assert answer.exit_code == 0, answer.output
+    camera = json.loads(out.read_text())
+    assert camera["boards_found"] == camera["views_used"] == 13
+    assert camera["rms_px"] <= 0.20
+    assert camera["distortion"][4:] == [0.0]
+    assert camera["views_dropped"] == []
+    np.testing.assert_allclose(read_intrinsics(camera_info).matrix, camera["matrix"], rtol=1e-9)
+
+
+def test_the_wide_set_gets_the_lens_that_views_left_out_prefer(tmp_path: Path) -> None:
+    out = tmp_path / "camera.json"
+    answer = calibrate_camera(*photos("gopro-wide-chessboard", "GOPR*.jpg"), "--board", "8x6", "--json", out)
+    assert answer.exit_code == 0, answer.output
+    camera = json.loads(out.read_text())
+    assert camera["boards_found"] == 13
+    assert camera["model"] == "rational_polynomial"
+    assert (
+        camera["cross_validated_px"] < 0.48
+    )  # the best of OpenCV's fixed models, see benchmarks/camera_peers.py
+
+
+def test_a_duckiebots_floor_board_gives_its_height() -> None:
+    path = photos("duckiebot-extrinsic", "ttic_board.jpg")[0]
+    matrix = np.array([[295.796, 0.0, 321.262], [0.0, 299.539, 241.736], [0.0, 0.0, 1.0]])
+    camera = CameraModel(
+        matrix, np.array([-0.235440, 0.036378, -0.003307, -0.001214, 0.0]), 640, 480, "plumb_bob"
+    )
+    found = calibrate_extrinsics(np.asarray(cv2.imread(str(path)), np.uint8), BoardSpec(7, 5, 0.031), camera)
+    assert found.mount.height == pytest.approx(0.100, abs=0.005)
+    assert found.axis_reach == pytest.approx(0.40, abs=0.015)
+
+
+def test_a_turned_tag_is_read_within_four_degrees_of_its_labels() -> None:
+    matrix = np.array([[329.873, 0.0, 528.0], [0.0, 332.946, 396.0], [0.0, 0.0, 1.0]])
+    camera = CameraModel(matrix, np.zeros(5), 1056, 792, "plumb_bob")
+    labels, turns = range(-70, 70, 10), []
+    for label in labels:
+        path = photos("apriltag-duckietown", f"test_image_rotation_{label}.png")[0]
+        (tag,) = find_tags(np.asarray(cv2.imread(str(path)), np.uint8))
+        outward = tag_poses(tag, camera, 0.065)[0].rotation[:, 2]
+        turns.append(math.degrees(math.atan2(outward[0], -outward[2])))
+    errors = np.array(turns) - labels
+    assert np.ptp(errors) < 8.0
+
+
+def test_too_few_photos_are_refused(drawn: list[Path]) -> None:
+    answer = calibrate_camera(*drawn[:4], "--board", "7x5")
+    assert answer.exit_code == 1
+    assert "4 views of the whole board are too few" in answer.output
+
+
+def test_photos_of_another_board_are_refused_with_its_size(drawn: list[Path]) -> None:
+    answer = calibrate_camera(*drawn, "--board", "9x4")
+    assert answer.exit_code == 2
+    assert f"{BOARD.columns}x{BOARD.rows}" in answer.output
+
+
+def test_photos_without_a_board_are_refused(tmp_path: Path) -> None:
+    empty = tmp_path / "empty.png"
+    cv2.imwrite(str(empty), np.full((120, 160), 90, np.uint8))
+    answer = calibrate_camera(empty, "--board", "9x6")
+    assert answer.exit_code == 1
+    assert "uniform" in answer.output
+
+
+def test_one_photo_twice_is_refused(drawn: list[Path]) -> None:
+    answer = calibrate_camera(drawn[0], drawn[1], drawn[0], "--board", "7x5")
+    assert answer.exit_code == 2
+    assert "same photo" in answer.output
+
+
+def test_a_text_file_is_refused(drawn: list[Path], tmp_path: Path) -> None:
+    text = tmp_path / "notes.jpg"
+    text.write_text("no picture")
+    answer = calibrate_camera(*drawn, text, "--board", "7x5")
+    assert answer.exit_code == 2
+    assert "is not an image" in answer.output
+
+
+def test_photos_of_two_sizes_are_refused(drawn: list[Path], tmp_path: Path) -> None:
+    small = tmp_path / "small.png"
+    cv2.imwrite(str(small), np.full((120, 160), 90, np.uint8))
+    answer = calibrate_camera(*drawn, small, "--board", "7x5")
+    assert answer.exit_code == 2
+    assert "160x120 px" in answer.output
+
+
+@pytest.mark.parametrize("text", ["9by6", "2x2", "9x6x3"])
+def test_a_board_that_is_none_is_refused(drawn: list[Path], text: str) -> None:
+    answer = calibrate_camera(*drawn, "--board", text)
+    assert answer.exit_code == 2
+
+
+def test_two_boards_are_refused(drawn: list[Path]) -> None:
+    answer = calibrate_camera(*drawn, "--board", "9x6", "--board", "8x6")
+    assert answer.exit_code == 2
+    assert "one board at a time" in answer.output
+
+
+def test_a_file_that_cannot_be_written_is_refused_before_the_work(drawn: list[Path], tmp_path: Path) -> None:
+    answer = calibrate_camera(*drawn, "--board", "7x5", "--json", tmp_path / "missing" / "camera.json")
+    assert answer.exit_code == 2
+    assert "no such folder" in answer.output
