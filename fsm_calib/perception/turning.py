@@ -58,9 +58,9 @@ def turn_between(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> Turn:
     Minimises over the shift s [columns] the mean of (after(c + s) - before(c))^2 over the common columns,
     each panorama freed of its rows' means; a parabola through the three best shifts gives the fraction.
     """
-    first, second = (item.astype(np.float32) - item.mean(axis=1, keepdims=True) for item in (before, after))
+    first, second = (_without_means(item) for item in (before, after))
     reach = round(LARGEST_TURN / COLUMN)
-    costs = np.array([_cost(first, second, shift) for shift in range(-reach, reach + 1)])
+    costs = _costs(first, second, reach)
     best = int(np.argmin(costs))
     still = float(costs[reach])
     shift = best - reach + _vertex(costs, best)
@@ -68,16 +68,27 @@ def turn_between(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> Turn:
     return Turn(angle=shift * COLUMN, likeness=likeness, change=math.sqrt(still))
 
 
-def _cost(first: NDArray[np.float32], second: NDArray[np.float32], shift: int) -> float:
-    """Return the mean squared difference when the world moved `shift` columns to the right (a turn to the
-    left).
+def _without_means(panorama: NDArray[np.uint8]) -> NDArray[np.float32]:
+    return panorama.astype(np.float32) - panorama.mean(axis=1, keepdims=True, dtype=np.float32)
+
+
+def _costs(first: NDArray[np.float32], second: NDArray[np.float32], reach: int) -> NDArray[np.float64]:
+    """Return the mean squared differences when the world moved s columns to the right (a turn to the left),
+    for s from -`reach` to `reach`.
+
+    Over the common columns the sum of (b - a)^2 is that of b^2 and of a^2, both running sums, minus twice the
+    correlation of the panoramas, which is made for all shifts at once.
     """
-    width = first.shape[1]
-    if shift >= 0:
-        gap = second[:, shift:] - first[:, : width - shift]
-    else:
-        gap = second[:, : width + shift] - first[:, -shift:]
-    return float(np.einsum("ij,ij->", gap, gap)) / gap.size
+    rows, width = first.shape
+    shifts = np.arange(-reach, reach + 1)
+    padded = cv2.copyMakeBorder(second, 0, 0, reach, reach, cv2.BORDER_CONSTANT, value=0.0)
+    common = cv2.matchTemplate(padded, first, cv2.TM_CCORR).ravel()
+    sums = [
+        np.concatenate([[0.0], np.cumsum((item * item).sum(axis=0, dtype=float))]) for item in (first, second)
+    ]
+    left, right = np.maximum(-shifts, 0), np.maximum(shifts, 0)
+    squares = sums[0][width - right] - sums[0][left] + sums[1][width - left] - sums[1][right]
+    return np.asarray((squares - 2.0 * common) / (rows * (width - np.abs(shifts))))
 
 
 def _vertex(costs: NDArray[np.float64], best: int) -> float:
