@@ -1,0 +1,101 @@
+"""What the report of a diagnosis draws: windows of error, states and paths of one recording, before and after."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsm_calib.diagnosis.crossval import on_new_recording
+from fsm_calib.diagnosis.diagnose import Diagnosis
+from fsm_calib.diagnosis.fit import Engine
+from fsm_calib.diagnosis.prepared import Prepared
+from fsm_calib.diagnosis.windows import Windows
+from fsm_calib.types import FloatArray
+
+SEGMENT = (
+    5.0  # s between fresh starts of a predicted path: long enough to see a drift, short enough to follow
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """One recording of a report.
+
+    title; judged : it took no part in the fit; states : (start, end, name) spans [s, s]; before, after : errors over
+    the horizon; path : (n, 3) measured x, y [m], theta [rad] at `time` (n,) [s]; paths_before, paths_after : lists of
+    (m, 2) predicted x, y [m], each from a measured start.
+    """
+
+    title: str
+    judged: bool
+    placed: bool
+    states: tuple[tuple[float, float, str], ...]
+    before: Windows
+    after: Windows
+    time: FloatArray
+    path: FloatArray
+    paths_before: list[FloatArray]
+    paths_after: list[FloatArray]
+
+    def place_of(self, windows: Windows) -> FloatArray:
+        """Return where the robot was at the end of each window, shape (w, 2) [m]."""
+        return np.column_stack([np.interp(windows.time, self.time, self.path[:, i]) for i in range(2)])
+
+
+def drives(diagnosis: Diagnosis) -> list[Drive]:
+    """Return the recordings that were fitted, then those that were only predicted."""
+    decision = diagnosis.decision
+    found = []
+    for run, simulator in enumerate(decision.engine.simulators):
+        windows = diagnosis.train.windows_before[run], diagnosis.train.windows_after[run]
+        steps = decision.base.simulated[run], decision.model.fit.simulated[run]
+        found.append(_drive(simulator.prepared, windows, steps, judged=False))
+    for run, simulator in enumerate(diagnosis.holdout_simulators):
+        if diagnosis.holdout is None:
+            break
+        windows = diagnosis.holdout.windows_before[run], diagnosis.holdout.windows_after[run]
+        after = on_new_recording(Engine((simulator,)), decision.model.fit)
+        steps = simulator.increments(decision.base.values[:1])[0], simulator.increments(after)[0]
+        found.append(_drive(simulator.prepared, windows, steps, judged=True))
+    return found
+
+
+def _drive(
+    p: Prepared, windows: tuple[Windows, Windows], steps: tuple[FloatArray, FloatArray], judged: bool
+) -> Drive:
+    title = p.name.replace("\\", "/").rsplit("/", 1)[-1].replace(".recording.yaml", "")
+    if title in ("recording.yaml", ""):
+        title = p.name.rstrip("/").rsplit("/", 2)[-2]
+    return Drive(
+        title, judged, p.poses.placed, state_spans(p), *windows, p.time, p.reference,
+        predicted_paths(p, steps[0]), predicted_paths(p, steps[1]),
+    )  # fmt: skip
+
+
+def state_spans(p: Prepared) -> tuple[tuple[float, float, str], ...]:
+    """Return the spans of the machine's states; none where none were recorded."""
+    track = p.recording.state
+    if track is None or not len(track):
+        return ()
+    ends = np.append(track.time[1:], max(float(p.time[-1]), float(track.time[-1])))
+    return tuple((float(a), float(b), name) for a, b, name in zip(track.time, ends, track.path, strict=True))
+
+
+def predicted_paths(p: Prepared, simulated: FloatArray) -> list[FloatArray]:
+    """Chain simulated increments (n, 5) from the measured pose, afresh every `SEGMENT` [s] and after each gap."""
+    paths: list[FloatArray] = []
+    points: list[tuple[float, float]] = []
+    x = y = theta = began = 0.0
+    for k in range(len(p.time)):
+        if k == 0 or p.restart[k] or p.time[k] - began > SEGMENT:
+            if len(points) > 1:
+                paths.append(np.array(points))
+            x, y, theta = p.reference[k]
+            began, points = p.time[k], [(x, y)]
+            continue
+        c, s = np.cos(theta), np.sin(theta)
+        forward, left, turn = simulated[k, :3]
+        x, y, theta = x + c * forward - s * left, y + s * forward + c * left, theta + turn
+        points.append((x, y))
+    return [*paths, np.array(points)] if len(points) > 1 else paths
