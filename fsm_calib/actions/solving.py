@@ -12,6 +12,7 @@ from fsm_calib.actions.notebook import CameraFigures
 from fsm_calib.errors import DataError
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.calibration import CameraCalibration
+from fsm_calib.perception.information import DEFAULT_STOP, advice
 from fsm_calib.perception.static_boards import StaticResult, calibrate_scan
 
 
@@ -34,7 +35,8 @@ def solve_camera(bench: Bench) -> Outcome:
     )
     if result.predicted_px <= asked:
         return Outcome("camera_solved", evidence, sentence)
-    return Outcome("camera_imprecise", evidence, sentence, "Lean a board, or lay one on the floor.")
+    cure = advice(result.predicted_map, replace(DEFAULT_STOP, predicted_px=asked))
+    return Outcome("camera_imprecise", evidence, sentence, cure)
 
 
 def move_to_standpoint(bench: Bench) -> Outcome:

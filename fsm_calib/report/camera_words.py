@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fsm_calib.perception.calibration import CameraCalibration
-from fsm_calib.perception.information import advice, weakest_region
+from fsm_calib.perception.information import weakest_region
 from fsm_calib.perception.lens import INTRINSICS, intrinsics_vector
 
 _GOOD_PX = 0.6  # predicted error of 30 careful hand-held views (parity), at 0.2 px of corner noise
@@ -16,7 +16,11 @@ def verdict(calibration: CameraCalibration) -> str:
         return (
             f"As good as a careful person's 30 views or better; least certain at the {weakest_region(error)}."
         )
-    return advice(error)
+    region = weakest_region(error)
+    return (
+        f"The image is least certain at the {region} ({error.max:.1f} px): take views with the board there, near and "
+        "tilted."
+    )
 
 
 def parameter_rows(calibration: CameraCalibration) -> list[tuple[str, str, str]]:
