@@ -97,7 +97,7 @@ def rank_correlation(x: FloatArray, y: FloatArray, rng: np.random.Generator) -> 
     """
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
-    if x.size < FEWEST_FOR_CORRELATION:
+    if x.size < FEWEST_FOR_CORRELATION or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
         return Estimate(math.nan, math.nan, math.nan, x.size)
     picks = rng.integers(0, x.size, (RESAMPLES, x.size))
     resampled = _spearman(x[picks], y[picks])

@@ -100,8 +100,12 @@ def summarise(study: Study, rows: Iterable[Row]) -> Summary:
     everything = list(rows)
     base = rows_of(everything)
     rng = np.random.default_rng([study.seed, _STREAM])
-    deviations = {way: deviation_figures(base.deviation(way), rng) for way in DEVIATION if base.has(way)}
-    cameras = {way: camera_figures(base, way, rng) for way in CAMERA if base.has(CAMERA[way][0])}
+    driven = [
+        way for way in DEVIATION if base.has(way) and (way == "by_hand" or "wheels" in study.scenario.plan)
+    ]
+    deviations = {way: deviation_figures(base.deviation(way), rng) for way in driven}
+    seen = [way for way in CAMERA if np.isfinite(base.camera(way, "true_px")).any()]
+    cameras = {way: camera_figures(base, way, rng) for way in seen}
     return Summary(
         study=study,
         rows=base,
