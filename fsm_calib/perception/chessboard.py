@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fsm_calib.perception.board_order import canonical_order
 from fsm_calib.perception.corner_bias import curvature_bias
+from fsm_calib.perception.corner_spacing import corner_clearances, corner_spacings, smallest_spacing
 from fsm_calib.types import BoardSpec, BoardView, FloatArray
 
 Image = NDArray[np.uint8]
@@ -66,6 +67,7 @@ _FAST = cv2.CALIB_CB_NORMALIZE_IMAGE
 # Where that finds nothing, adaptive thresholds after the quick look: of 72 first looks of a fleet at a flat board, one
 # threshold finds 64, the other way 69, either of them 71.
 _SECOND = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
+_TWO_LOOKS = (_FAST, _SECOND)
 _THOROUGH = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
 _ANY_SIZE = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_LARGER
 _STOP_SEARCH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 30, 0.005)
@@ -103,12 +105,14 @@ def find_boards(
 ) -> tuple[BoardView, ...]:
     """Return every whole `board` in the image, from left to right.
 
-    Each board found is painted over and the rest searched again; `BoardView.board` counts from the left.
+    Each board found is painted over and the rest searched again, by one threshold only: where nothing is left
+    the second look costs 60 ms. `BoardView.board` counts from the left.
     """
-    gray, found = as_gray(image), []
-    remaining = gray.copy()
+    found: list[BoardView] = []
+    remaining = as_gray(image).copy()
     for _ in range(settings.most_boards):
-        view = inspect_board(remaining, board, settings=settings, thorough=False).view
+        rough = _rough_corners(remaining, board, _TWO_LOOKS[: 1 if found else 2], settings)
+        view = None if rough is None else _judged(remaining, rough, board, settings).view
         if view is None:
             break
         found.append(view)
@@ -131,9 +135,16 @@ def inspect_board(
         robot.
     """
     gray = as_gray(image)
-    rough = _rough_corners(gray, board, thorough, settings)
+    rough = _rough_corners(gray, board, (_THOROUGH,) if thorough else _TWO_LOOKS, settings)
+    if rough is None and thorough:
+        rough = _by_sectors(gray, board, settings)
     if rough is None:
         return BoardFinding(None, _why_nothing(gray, board))
+    return _judged(gray, rough, board, settings)
+
+
+def _judged(gray: Image, rough: FloatArray, board: BoardSpec, settings: DetectorSettings) -> BoardFinding:
+    """Return the refined corners, or why they cannot be used."""
     corners = _refined(gray, rough, board, settings)
     if corners is None:
         return BoardFinding(
@@ -150,38 +161,6 @@ def inspect_board(
             None, f"the board is blurred: edges {width:.1f} px wide, at most {limit:.1f} px", width
         )
     return BoardFinding(BoardView(corners), "", width)
-
-
-def corner_spacings(corners: FloatArray, board: BoardSpec) -> FloatArray:
-    """Return each corner's distance from its nearest neighbour [px], shape (rows * columns,)."""
-    grid = corners.reshape(board.rows, board.columns, 2)
-    along = np.linalg.norm(np.diff(grid, axis=1), axis=-1)
-    across = np.linalg.norm(np.diff(grid, axis=0), axis=-1)
-    nearest = np.full((board.rows, board.columns), np.inf)
-    nearest[:, :-1] = np.minimum(nearest[:, :-1], along)
-    nearest[:, 1:] = np.minimum(nearest[:, 1:], along)
-    nearest[:-1] = np.minimum(nearest[:-1], across)
-    nearest[1:] = np.minimum(nearest[1:], across)
-    return nearest.ravel()
-
-
-def corner_clearances(corners: FloatArray, board: BoardSpec) -> FloatArray:
-    """Return how near each corner the next edge runs [px], shape (rows * columns,).
-
-    On a slanted board squares become sheared: the next parallel edge, at the height of the sheared square, is
-    then much nearer than the next corner.
-    """
-    grid = corners.reshape(board.rows, board.columns, 2)
-    along = np.asarray(np.gradient(grid, axis=1))
-    across = np.asarray(np.gradient(grid, axis=0))
-    area = np.abs(along[..., 0] * across[..., 1] - along[..., 1] * across[..., 0])
-    longest = np.maximum(np.linalg.norm(along, axis=-1), np.linalg.norm(across, axis=-1))
-    return np.minimum(corner_spacings(corners, board), (area / longest).ravel())
-
-
-def smallest_spacing(corners: FloatArray, board: BoardSpec) -> float:
-    """Return the smallest distance between neighbour corners [px]."""
-    return float(corner_spacings(corners, board).min())
 
 
 def board_size_in(image: Image) -> tuple[int, int] | None:
@@ -206,20 +185,37 @@ def edge_width(gray: Image, corners: FloatArray, board: BoardSpec) -> float:
 
 
 def _rough_corners(
-    gray: Image, board: BoardSpec, thorough: bool, settings: DetectorSettings
+    gray: Image, board: BoardSpec, looks: tuple[int, ...], settings: DetectorSettings
 ) -> FloatArray | None:
-    scale = min(1.0, settings.largest_side_px / max(gray.shape))
-    small = gray if scale == 1.0 else np.asarray(cv2.resize(gray, None, fx=scale, fy=scale), dtype=np.uint8)
+    """Return the corners as the classic detector sees them with the first of the flags `looks` that finds
+    them.
+    """
+    small, scale = _within(gray, settings)
+    for flags in looks:
+        found, corners = cv2.findChessboardCorners(small, (board.columns, board.rows), flags=flags)
+        if found and corners is not None:
+            return _at_full_size(corners, scale)
+    return None
+
+
+def _by_sectors(gray: Image, board: BoardSpec, settings: DetectorSettings) -> FloatArray | None:
+    """Return the corners as the sector-based detector sees them, when they are those of the whole board."""
+    small, scale = _within(gray, settings)
     size = (board.columns, board.rows)
-    found, corners = cv2.findChessboardCorners(small, size, flags=_THOROUGH if thorough else _FAST)
-    if not found and not thorough:
-        found, corners = cv2.findChessboardCorners(small, size, flags=_SECOND)
-    if not found and thorough:
-        found, corners, whole = cv2.findChessboardCornersSBWithMeta(small, size, _ANY_SIZE)
-        found = found and whole.shape == (board.rows, board.columns)
-    if not found or corners is None:
-        return None
-    return (corners.reshape(-1, 2).astype(float) + 0.5) / scale - 0.5
+    found, corners, whole = cv2.findChessboardCornersSBWithMeta(small, size, _ANY_SIZE)
+    is_whole = found and corners is not None and whole.shape == (board.rows, board.columns)
+    return _at_full_size(corners, scale) if is_whole else None
+
+
+def _within(gray: Image, settings: DetectorSettings) -> tuple[Image, float]:
+    """Return the image no larger than it is searched at, and its scale [1]."""
+    scale = min(1.0, settings.largest_side_px / max(gray.shape))
+    small = gray if scale == 1.0 else cv2.resize(gray, None, fx=scale, fy=scale)
+    return np.asarray(small, dtype=np.uint8), scale
+
+
+def _at_full_size(corners: NDArray, scale: float) -> FloatArray:
+    return np.asarray((corners.reshape(-1, 2).astype(float) + 0.5) / scale - 0.5)
 
 
 def _refined(
