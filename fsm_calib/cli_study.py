@@ -48,6 +48,7 @@ def study(
     from fsm_calib.report.study_files import write_page, write_study
     from fsm_calib.study.backends import BACKENDS, check_backend
     from fsm_calib.study.fleet import Crew, run_fleet
+    from fsm_calib.study.interrupts import interrupted_by_signals
     from fsm_calib.study.load import load_study
     from fsm_calib.study.progress import FleetBar
     from fsm_calib.study.summary import summarise
@@ -59,8 +60,11 @@ def study(
     loaded = with_robots(load_study(scenario), robots)
     check_backend(chosen, address, jobs)
     directory = out or DEFAULT_OUT / loaded.name
-    with FleetBar() as bar:
-        store = run_fleet(loaded, directory, Crew(chosen, jobs, address), bar)
+    try:
+        with FleetBar() as bar, interrupted_by_signals():
+            store = run_fleet(loaded, directory, Crew(chosen, jobs, address), bar)
+    except KeyboardInterrupt as stopped:
+        raise DataError(f"stopped by {stopped}", cure="Give the same command to go on.") from stopped
     summary = summarise(loaded, store.rows.values())
     content = write_study(directory, summary)
     if page is not None:

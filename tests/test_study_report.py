@@ -1,6 +1,9 @@
 """What a study says: figures of made-up robots with known answers, and the report's files."""
 
 import json
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
@@ -170,3 +173,19 @@ def test_a_fleet_of_one_that_only_turns_runs_from_the_command_line(tmp_path):
     result = CliRunner().invoke(app, ["study", str(file), "--out", str(tmp_path / "out"), "--jobs", "1"])
     assert result.exit_code == 0, result.output
     assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_a_command_that_is_asked_to_stop_says_how_to_go_on(tmp_path):
+    file, out = tmp_path / "s.yaml", tmp_path / "out"
+    file.write_text("name: s\nrobots: 3\nparts: [test_2]\n")
+    command = [sys.executable, "-c", "from fsm_calib.cli import main; main()"]
+    command += ["study", str(file), "--out", str(out), "--jobs", "1"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    work = out / "work" / "base-robot000000" / "test_2" / "checkpoint.json"
+    while not work.exists() and process.poll() is None:
+        time.sleep(0.05)
+    process.terminate()
+    _, said = process.communicate()
+    assert process.returncode == 1
+    assert "stopped by SIGTERM. Give the same command to go on." in said
+    assert not (out / "results.jsonl").exists()
