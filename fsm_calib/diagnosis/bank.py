@@ -10,7 +10,6 @@ import numpy as np
 
 from fsm_calib.diagnosis.adequacy import residual_of
 from fsm_calib.diagnosis.base import SPEED_NOISE
-from fsm_calib.diagnosis.features import situation
 from fsm_calib.diagnosis.fit import ALL_RUNS, Engine, Fit, jacobian
 from fsm_calib.diagnosis.hypotheses import (
     Hypothesis,
@@ -22,12 +21,14 @@ from fsm_calib.diagnosis.hypotheses import (
     with_values,
 )
 from fsm_calib.diagnosis.scan import Candidate, Scanner
+from fsm_calib.diagnosis.situation import situation
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 
-FIRST_STEPS, LAST_STEPS = 6, 4  # Gauss-Newton steps before and after the noise is fitted again
+FIRST_STEPS, LAST_STEPS = 6, 6  # Gauss-Newton steps before and after the noise is fitted again
 HOPELESS = 2.0  # log-likelihood units: below, the noise is not fitted again and a fit is given up early
 FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are computed again
+WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
 NESTING_SLACK = 1e-6
 
 Progress = Callable[[str], None]
@@ -120,7 +121,10 @@ class Bank:
     ) -> list[tuple[Hypothesis, list[Start]]]:
         """Turn candidates of a scan into starts, with strengths tried by simulation."""
         plans = []
+        best = max((c.promise for c in candidates), default=0.0)
         for candidate in candidates:
+            if candidate.promise < WORTH_FITTING * best:
+                continue
             for names in effect.variants or (tuple(p.name for p in effect.parameters if p.fitted),):
                 given = {n.split(".")[1] for n in candidate.changes}
                 strengths = {p.name for p in effect.parameters if p.strength}
@@ -129,9 +133,9 @@ class Bank:
                 if given & strengths and len(set(names) & strengths) > len(given & strengths):
                     continue  # the larger form is tried only where the scan asked for it
                 hypothesis = Hypothesis(effect.name, names, candidate.run)
-                choices = [{**choice, **candidate.changes} for choice in declared_starts(hypothesis)]
-                unique = [dict(t) for t in {tuple(sorted(c.items())) for c in choices}]
-                plans.append((hypothesis, self.prober.best_starts(hypothesis, unique, 1)))
+                choices = declared_starts(hypothesis, candidate.changes)
+                choices = [{**choice, **candidate.changes} for choice in choices]
+                plans.append((hypothesis, self.prober.best_starts(hypothesis, choices, 1)))
         return plans
 
     def fit(self, hypothesis: Hypothesis, start: Start) -> Ranked:

@@ -13,13 +13,14 @@ from fsm_calib.diagnosis.adequacy import LeftOver, left_over
 from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names
 from fsm_calib.diagnosis.crossval import held_out_gains, is_global
-from fsm_calib.diagnosis.features import feature_groups, situation
+from fsm_calib.diagnosis.features import feature_groups
 from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Adequacy, Gates, adequacy
 from fsm_calib.diagnosis.heldout import error_left
 from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, shown_by
 from fsm_calib.diagnosis.locate import Location, locate
 from fsm_calib.diagnosis.simulator import Simulator
+from fsm_calib.diagnosis.situation import situation
 from fsm_calib.world2d.effects import Effect, registry
 
 POLISHED = 3  # candidates that get fresh Jacobians and all noise levels

@@ -13,43 +13,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsm_calib.diagnosis.simulator import GRID_STEP, Simulator
+from fsm_calib.diagnosis.situation import Situation
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.rollout import simulate
 
 PLACE_PITCH = 0.18  # m between the centres of place features: about a robot's length
 TIME_PITCH = 7.5  # s, slow drifts
-FAST_PITCH = 1.5  # s, gusts and periodic forces
+FAST_PITCH = 1.5  # s, gusts
+PERIODS = tuple(
+    float(60.0 / n) for n in np.arange(5.0, 25.0, 0.75)
+)  # s: a minute resolves steps of half a turn
 AGES = (0.06, 0.12, 0.25, 0.5, 1.0)  # s since a command changed: up to three time constants and beyond
 TRAVELS = (0.01, 0.03, 0.06, 0.12, 0.25)  # m since a reversal: up to three caster trails and beyond
-
-
-@dataclass(frozen=True, eq=False)
-class Situation:
-    """What is known of every interval of one recording, shape (n,) each (left, right: commands [1]).
-
-    v [m/s], omega [rad/s]: simulated; acceleration [m/s2], spin [rad/s2]; x, y [m], heading [rad] of the path;
-    time, age [s] since the last command change; jump_v, jump_w: that change as speeds [m/s, rad/s]; travel [m] since
-    the last reversal; roll (n, 2) wheel angles [rad]; dt [s]; half axle [m].
-    """
-
-    time: FloatArray
-    dt: FloatArray
-    left: FloatArray
-    right: FloatArray
-    v: FloatArray
-    omega: FloatArray
-    acceleration: FloatArray
-    spin: FloatArray
-    x: FloatArray
-    y: FloatArray
-    heading: FloatArray
-    age: FloatArray
-    jump_v: FloatArray
-    jump_w: FloatArray
-    travel: FloatArray
-    roll: FloatArray
-    half: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,45 +42,6 @@ class Group:
     def name(self) -> str:
         """Channel and regime in one word."""
         return f"{self.channel}:{self.regime}"
-
-
-def situation(simulator: Simulator, values: FloatArray) -> Situation:
-    """Return the situation of every interval, speeds simulated with `values` (p,)."""
-    p = simulator.prepared
-    states = simulate(values, simulator.drive, simulator.grid, p.reference[0], simulator.track, 0.005)
-    middle = p.time - 0.5 * p.dt
-
-    def at(column: FloatArray) -> FloatArray:
-        return np.interp(middle, simulator.grid, column)
-
-    time, drive = simulator.grid, simulator.drive
-    row = np.clip(np.searchsorted(drive.time, middle, side="right") - 1, 0, None)
-    before = np.clip(row - 1, 0, None)
-    jump_l, jump_r = drive.left[row] - drive.left[before], drive.right[row] - drive.right[before]
-    half = float(p.geometry[0])
-    age = np.where(middle >= drive.time[0], middle - drive.time[row], 1e3)
-    return Situation(
-        time=middle, dt=p.dt, left=np.where(age < 1e3, drive.left[row], 0.0),
-        right=np.where(age < 1e3, drive.right[row], 0.0), v=at(states[:, 3]), omega=at(states[:, 5]),
-        acceleration=at(np.gradient(states[:, 3], GRID_STEP)), spin=at(np.gradient(states[:, 5], GRID_STEP)),
-        x=p.reference[:, 0], y=p.reference[:, 1], heading=p.reference[:, 2], age=age,
-        jump_v=0.5 * (jump_l + jump_r) * simulator.full_speed,
-        jump_w=(jump_r - jump_l) * simulator.full_speed / (2 * half),
-        travel=np.interp(middle, time, _travel(states[:, 3])),
-        roll=np.column_stack([at(states[:, 6]), at(states[:, 7])]),
-        half=half,
-    )  # fmt: skip
-
-
-def _travel(v: FloatArray) -> FloatArray:
-    """Return the distance since the direction of motion last changed."""
-    sign = np.sign(np.where(np.abs(v) > 0.02, v, 0.0))
-    held = sign[np.maximum.accumulate(np.where(sign != 0, np.arange(len(v)), 0))]
-    path = np.cumsum(np.abs(v)) * GRID_STEP
-    turned = np.flatnonzero(np.diff(held, prepend=held[0]) != 0)
-    start = np.zeros(len(v))
-    start[turned] = path[turned]
-    return path - np.maximum.accumulate(start)
 
 
 def hats(variable: FloatArray, knots: FloatArray) -> FloatArray:
@@ -172,8 +107,6 @@ def feature_groups(situations: list[Situation]) -> list[Group]:
     centres = place_centres(situations, PLACE_PITCH)
     end = max(float(s.time[-1]) for s in situations)
     slow = np.linspace(0.0, end, max(3, int(end / TIME_PITCH)))
-    headings = np.concatenate([s.heading for s in situations])
-    turns = np.linspace(float(headings.min()), float(headings.max()), 7)
     moving = _moving
     recipes: list[tuple[str, str, Channelled, Maker]] = [
         ("forward", "command level", _forward, lambda s: hats(0.5 * (s.left + s.right), commands)),
@@ -200,15 +133,16 @@ def feature_groups(situations: list[Situation]) -> list[Group]:
         ("turn", "after a command", _turn, lambda s: _after(s, s.jump_w / spin)),
         ("forward", "after a reversal", _forward, lambda s: _since(s) * np.sign(s.v)[:, None] * moving(s)[:, None]),
         ("turn", "after a reversal", _turn, lambda s: _since(s) * np.sign(s.v)[:, None] * moving(s)[:, None]),
-        ("turn", "heading turned", _turn, lambda s: hats(s.heading, turns) * moving(s)[:, None]),
+        ("turn", "heading turned", _turn, _wound),
         ("forward", "wheel phase", _forward, lambda s: _phase(s, slow)),
         ("turn", "wheel phase", _turn, lambda s: _phase(s, slow)),
         ("forward", "moment", _forward, lambda s: _gusts(s, end)),
     ]  # fmt: skip
+    recipes += [("forward", "repeats in time", _forward, _periodic(period)) for period in PERIODS]
     return [_group(situations, *recipe) for recipe in recipes]
 
 
-RUN_BOUND = {"time", "moment", "wheel phase", "heading turned"}
+RUN_BOUND = {"time", "moment", "repeats in time", "wheel phase", "heading turned"}
 """Regimes whose features belong to one recording, not to the robot."""
 
 
@@ -266,6 +200,26 @@ def _driving(s: Situation, speed: float, spin: float) -> FloatArray:
 def _gusts(s: Situation, end: float) -> FloatArray:
     """Return the forward part of world-fixed speeds, each for a moment."""
     return _world(s, hats(s.time, np.arange(0.0, end, FAST_PITCH)) * _moving(s)[:, None])[0]
+
+
+def _wound(s: Situation) -> FloatArray:
+    """Return a constant, the angle turned since the start, and its square: a cable or a spring winds up."""
+    turned = s.heading - s.heading[0]
+    reach = max(float(np.abs(turned).max()), 1.0)
+    return (
+        np.column_stack([np.ones(len(turned)), turned / reach, (turned / reach) ** 2]) * _moving(s)[:, None]
+    )
+
+
+def _periodic(period: float) -> Maker:
+    """Return the maker of world-fixed speeds that come and go with a period [s]."""
+
+    def make(s: Situation) -> FloatArray:
+        angle = 2.0 * np.pi * s.time / period
+        waves = np.column_stack([np.cos(angle), np.sin(angle)])
+        return _world(s, waves * _moving(s)[:, None])[0]
+
+    return make
 
 
 def _harmonics(heading: FloatArray) -> FloatArray:

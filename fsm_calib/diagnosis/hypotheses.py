@@ -22,7 +22,8 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
-MOST_STARTS = 12
+MOST_STARTS = 24
+CHECKED = 4  # starts whose promise is checked by simulation
 LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
 
 
@@ -99,12 +100,21 @@ def slots_of(hypothesis: Hypothesis, runs: int) -> tuple[Slot, ...]:
     return tuple(slots)
 
 
-def declared_starts(hypothesis: Hypothesis) -> list[dict[str, float]]:
-    """Return combinations of the declared start values of a hypothesis' parameters, at most `MOST_STARTS`."""
-    effect = registry()[hypothesis.effect]
+def declared_starts(
+    hypothesis: Hypothesis, given: Mapping[str, float] | None = None
+) -> list[dict[str, float]]:
+    """Return combinations of the declared start values of a hypothesis' parameters, at most `MOST_STARTS`.
+
+    `given` : values that are known already. Choices (not fitted, but with starts) are part of the combinations.
+    """
+    effect, given = registry()[hypothesis.effect], given or {}
+    choices = [p.name for p in effect.parameters if not p.fitted and p.starts]
     lists = []
-    for name in hypothesis.names:
+    for name in (*hypothesis.names, *choices):
         p = effect.parameter(name)
+        if f"{effect.name}.{name}" in given:
+            lists.append([(f"{effect.name}.{name}", given[f"{effect.name}.{name}"])])
+            continue
         fallback = (p.typical,) if p.strength and _only_strength(effect, hypothesis, name) else (p.null,)
         lists.append([(f"{effect.name}.{name}", value) for value in (p.starts or fallback)])
     return [dict(choice) for choice in product(*lists)][:MOST_STARTS]
@@ -151,26 +161,40 @@ class Prober:
         amplitude = float(x @ self.residual.psi) / power
         return amplitude, 0.5 * amplitude * amplitude * power * np.sign(amplitude)
 
-    def start(self, hypothesis: Hypothesis, changes: Mapping[str, float]) -> Start:
-        """Return one start with its strengths scaled by the amplitude that the data ask for."""
+    def gain(self, columns: Sequence[FloatArray]) -> float:
+        """Return the log-likelihood that a change wins as it stands, the base re-fitted linearly."""
+        x = project(self.residual, columns)[:, 0]
+        return float(x @ self.residual.psi) - 0.5 * float(x @ x)
+
+    def starts(self, hypothesis: Hypothesis, changes: Mapping[str, float]) -> list[Start]:
+        """Return two starts: the change as declared, and with its strengths scaled by what the data ask for.
+
+        The first carries what it wins, the second what it would win if the effect were linear.
+        """
         effect = registry()[hypothesis.effect]
         values = with_values(self.parent.values, changes, hypothesis.run)
-        amplitude, promise = self.amplitude(self.columns(values))
-        two_sided = any(
-            effect.parameter(n).low < effect.parameter(n).null
-            for n in effect.strengths
-            if n in hypothesis.names
-        )
-        if amplitude < 0 and not two_sided:
-            return Start(values, 0.0)
-        scale = float(np.sign(amplitude) * np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE))
-        return Start(with_values(values, scaled(effect, changes, scale), hypothesis.run), abs(promise))
+        x = project(self.residual, self.columns(values))[:, 0]
+        power, score = float(x @ x), float(x @ self.residual.psi)
+        found = [Start(values, score - 0.5 * power)]
+        amplitude = score / max(power, 1e-12)
+        if power > 1e-12 and (amplitude > 0 or _two_sided(effect, hypothesis)):
+            size = np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE)
+            scale = float(np.sign(amplitude) * size)
+            promise = scale * score - 0.5 * scale * scale * power
+            changed = scaled(effect, changes, scale)
+            found.append(Start(with_values(values, changed, hypothesis.run), promise))
+        return found
 
     def best_starts(
         self, hypothesis: Hypothesis, choices: Sequence[Mapping[str, float]], keep: int
     ) -> list[Start]:
-        """Return the most promising starts; numbers that belong to a recording are chosen for each by itself."""
-        starts = [self.start(hypothesis, choice) for choice in choices]
+        """Return the most promising starts; numbers that belong to a recording are chosen for each by itself.
+
+        The promises of the leaders are checked by simulation: an effect with a threshold is far from linear.
+        """
+        tried = [start for choice in choices for start in self.starts(hypothesis, choice)]
+        tried.sort(key=lambda start: -start.promise)
+        starts = [Start(s.values, self.gain(self.columns(s.values))) for s in tried[:CHECKED]]
         own = [n for n in hypothesis.names if registry()[hypothesis.effect].parameter(n).per_recording]
         if own and hypothesis.run == ALL_RUNS and len(self.simulators) > 1:
             starts.append(self._mixed(hypothesis, choices))
@@ -188,6 +212,12 @@ class Prober:
             best.append(max(promises, key=lambda pair: pair[0]))
             values[run] = best[-1][1]
         return Start(values, sum(max(promise, 0.0) for promise, _ in best))
+
+
+def _two_sided(effect: Effect, hypothesis: Hypothesis) -> bool:
+    """Return whether a strength of the hypothesis may lie on either side of its null value."""
+    strengths = [effect.parameter(n) for n in effect.strengths if n in hypothesis.names]
+    return any(p.low < p.null for p in strengths)
 
 
 def scaled(effect: Effect, changes: Mapping[str, float], scale: float) -> dict[str, float]:

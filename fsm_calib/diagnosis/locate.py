@@ -15,8 +15,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from fsm_calib.diagnosis.adequacy import LeftOver, Residual, project, residual_of, test_columns
-from fsm_calib.diagnosis.features import Group, Situation, _column, feature_groups
+from fsm_calib.diagnosis.features import Group, _column, feature_groups
 from fsm_calib.diagnosis.fit import Engine, Fit
+from fsm_calib.diagnosis.situation import Situation
 from fsm_calib.types import FloatArray
 
 BLOCK = 1.0  # s: several times the noise's memory
@@ -40,6 +41,7 @@ REGIME_WORDS = {
     "heading turned": "depends on turns made",
     "wheel phase": "once per wheel turn",
     "moment": "at moments",
+    "repeats in time": "comes and goes with a period",
 }
 CHANNELS = {"left wheel": ("forward", "turn"), "right wheel": ("forward", "turn")}
 

@@ -8,20 +8,30 @@ The winners, kept apart from each other, become starts of full fits.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fsm_calib.diagnosis.adequacy import Residual, project
-from fsm_calib.diagnosis.features import Situation, _column, _left, _right, place_centres
+from fsm_calib.diagnosis.features import _column, place_centres
 from fsm_calib.diagnosis.fit import Fit
+from fsm_calib.diagnosis.scan_areas import (
+    Area,
+    Columns,
+    apart,
+    boxes,
+    discs,
+    drag_columns,
+    settled,
+    slip_columns,
+    strips,
+)
 from fsm_calib.diagnosis.simulator import Simulator, through_sensor
+from fsm_calib.diagnosis.situation import Situation
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
 
-PITCH = 0.10  # m between candidate centres: a third of the smallest patch's diameter
-DISC_RADII = (0.15, 0.25)  # m
-STRIPS = (0.08, 0.2)  # m, half widths
+PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
 SPAN_STEP = 1.5  # s between candidate begins and ends of a span
 PUSH_STEP = 0.25  # s between candidate kicks
 PUSH_LENGTH = 0.25  # s
@@ -70,59 +80,54 @@ class Scanner:
         return place_centres(self.situations, PITCH)
 
     def drag_areas(self) -> list[Candidate]:
-        """Return boxes and strips of rough floor."""
-        boxes = [(x, y, r, r) for r in DISC_RADII for x, y in self.places()]
-        xs = [s.x for s in self.situations]
-        ys = [s.y for s in self.situations]
-        for half in STRIPS:
-            boxes += [(x, 0.0, half, 5.0) for x in _line(xs)] + [(0.0, y, 5.0, half) for y in _line(ys)]
-        blocks = [_drag_columns(s, boxes) for s in self.situations]
-        promise, amplitude = self.scores(blocks, 1)
-        promise = np.where(amplitude[:, 0] > 0, promise, 0.0)
-        names = ("x", "y", "half_x", "half_y")
-        found = [
-            Candidate({f"rough_floor_patch.{n}": v for n, v in zip(names, b, strict=True)}, p)
-            for b, p in zip(boxes, promise, strict=True)
+        """Return areas of rough floor, felt under each wheel or under the body's middle."""
+        areas = [
+            replace(area, spread=spread)
+            for area in [*boxes(self.places()), *strips(self.situations)]
+            for spread in (0.0, 1.0)
         ]
-        return _apart(found, "rough_floor_patch")
+        return self._areas("rough_floor_patch", areas, drag_columns, 1)
 
     def slippery_areas(self) -> list[Candidate]:
         """Return discs of low friction: there the robot neither starts, stops nor turns as told."""
-        discs = [(x, y, r) for r in DISC_RADII for x, y in self.places()]
-        blocks = [_slip_columns(s, discs) for s in self.situations]
-        promise, _ = self.scores(blocks, 3)
-        names = ("x", "y", "radius")
-        found = [
-            Candidate({f"low_friction_patch.{n}": v for n, v in zip(names, d, strict=True)}, p)
-            for d, p in zip(discs, promise, strict=True)
-        ]
-        return _apart(found, "low_friction_patch")
+        return self._areas("low_friction_patch", discs(self.places()), slip_columns, 3)
 
     def markers(self) -> list[Candidate]:
         """Return discs inside which the poses are turned about their centre."""
-        table = parameter_table()
-        discs = [(x, y, r) for r in DISC_RADII for x, y in self.places()]
-        blocks = []
-        for simulator, before, values in zip(
-            self.simulators, self.parent.simulated, self.parent.values, strict=True
-        ):
-            block = np.zeros((*before.shape, len(discs)))
-            for i, disc in enumerate(discs):
-                vector = values.copy()
-                for name, value in zip(("turn", "x", "y", "radius"), (MARKER_TURN, *disc), strict=True):
-                    vector[table.place(f"misplaced_marker.{name}")] = value
-                moved = before.copy()
-                through_sensor(vector, simulator.prepared.reference, moved)
-                block[:, :, i] = (moved - before) / MARKER_TURN
-            blocks.append(block)
-        promise, amplitude = self.scores(blocks, 1)
-        names = [f"misplaced_marker.{n}" for n in ("turn", "x", "y", "radius")]
-        turns = np.clip(amplitude[:, 0], -1.0, 1.0)
-        found = [
-            Candidate(dict(zip(names, (float(turn), *disc), strict=True)), gain)
-            for disc, gain, turn in zip(discs, promise, turns, strict=True)
-        ]
-        return _apart(found, "misplaced_marker")
+        return self._areas("misplaced_marker", discs(self.places()), self._marker_columns, 1)
+
+    def _areas(self, name: str, areas: list[Area], columns: Columns, width: int) -> list[Candidate]:
+        """Return the best areas that lie apart, each moved and resized until it promises most."""
+        one_sided = name == "rough_floor_patch"
+
+        def judge(tried: Sequence[Area]) -> tuple[FloatArray, FloatArray]:
+            blocks = [columns(run, s, tried) for run, s in enumerate(self.situations)]
+            promise, amplitude = self.scores(blocks, width)
+            return (np.where(amplitude[:, 0] > 0, promise, 0.0) if one_sided else promise), amplitude[:, 0]
+
+        promise, _ = judge(areas)
+        found = []
+        for area in apart(areas, promise, KEEP, 1.5 * PITCH):
+            best, gain, size = settled(area, judge)
+            changes = {f"{name}.{key}": value for key, value in best.numbers(name).items()}
+            if name == "misplaced_marker":
+                changes[f"{name}.turn"] = float(np.clip(size, -1.0, 1.0))
+            found.append(Candidate(changes, gain))
+        return found
+
+    def _marker_columns(self, run: int, situation: Situation, areas: Sequence[Area]) -> FloatArray:
+        """Return the increments of a unit turn of the marker in each area, (n, 5, areas)."""
+        table, before = parameter_table(), self.parent.simulated[run]
+        block = np.zeros((*before.shape, len(areas)))
+        for i, area in enumerate(areas):
+            vector = self.parent.values[run].copy()
+            vector[table.place("misplaced_marker.turn")] = MARKER_TURN
+            for name, value in area.numbers("misplaced_marker").items():
+                vector[table.place(f"misplaced_marker.{name}")] = value
+            moved = before.copy()
+            through_sensor(vector, self.simulators[run].prepared.reference, moved)
+            block[:, :, i] = (moved - before) / MARKER_TURN
+        return block
 
     def spans(self) -> list[Candidate]:
         """Return spans of one recording in which one wheel's motor is weaker."""
@@ -188,24 +193,6 @@ class Scanner:
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
 
-def _line(tracks: Sequence[FloatArray]) -> FloatArray:
-    return np.arange(min(float(t.min()) for t in tracks), max(float(t.max()) for t in tracks), PITCH)
-
-
-def _apart(found: list[Candidate], name: str) -> list[Candidate]:
-    """Return the best candidates whose centres are not neighbours."""
-    kept: list[Candidate] = []
-    for c in sorted(found, key=lambda c: -c.promise):
-        here = np.array([c.changes[f"{name}.x"], c.changes[f"{name}.y"]])
-        if all(
-            np.hypot(*(here - [k.changes[f"{name}.x"], k.changes[f"{name}.y"]])) > 1.5 * PITCH for k in kept
-        ):
-            kept.append(c)
-        if len(kept) == KEEP:
-            break
-    return kept
-
-
 def _peaks(promise: FloatArray, starts: FloatArray) -> list[int]:
     kept: list[int] = []
     for b in np.argsort(-promise):
@@ -214,33 +201,6 @@ def _peaks(promise: FloatArray, starts: FloatArray) -> list[int]:
         if len(kept) == KEEP:
             break
     return kept
-
-
-def _wheel_speeds(s: Situation) -> tuple[FloatArray, FloatArray]:
-    return s.v - s.half * s.omega, s.v + s.half * s.omega
-
-
-def _drag_columns(s: Situation, boxes: Sequence[tuple[float, float, float, float]]) -> FloatArray:
-    """Return increments of a unit loss of rim speed on each wheel that stands in a box."""
-    b = np.array(boxes)
-    out = np.zeros((len(s.dt), 5, len(boxes)))
-    for side, (speed, put) in enumerate(zip(_wheel_speeds(s), (_left, _right), strict=True)):
-        arm = s.half if side == 0 else -s.half
-        x, y = s.x - arm * np.sin(s.heading), s.y + arm * np.cos(s.heading)
-        inside = (np.abs(x[:, None] - b[:, 0]) < b[:, 2]) & (np.abs(y[:, None] - b[:, 1]) < b[:, 3])
-        out += put(-1.0 * inside * np.tanh(speed / 0.02)[:, None], s)
-    return out
-
-
-def _slip_columns(s: Situation, discs: Sequence[tuple[float, float, float]]) -> FloatArray:
-    """Return three columns a disc: lost forward acceleration, lost angular acceleration, slide to the side."""
-    d = np.array(discs)
-    inside = (np.hypot(s.x[:, None] - d[:, 0], s.y[:, None] - d[:, 1]) < d[:, 2]).astype(float)
-    out = np.zeros((len(s.dt), 5, 3 * len(discs)))
-    out[:, :, 0::3] = _column(s, forward=-inside * s.acceleration[:, None])
-    out[:, :, 1::3] = _column(s, turn=-inside * s.spin[:, None])
-    out[:, :, 2::3] = _column(s, lateral=-inside * (s.v * s.omega)[:, None])
-    return out
 
 
 def _kick_columns(s: Situation, starts: FloatArray) -> FloatArray:

@@ -145,8 +145,17 @@ def make_simulator(prepared: Prepared) -> Simulator:
     full = full_speed(recording)
     drive, measured = drive_of(recording, full)
     grid = np.arange(prepared.time[0] - LEAD_TIME, prepared.time[-1] + 2 * GRID_STEP, GRID_STEP)
+    return Simulator(prepared, drive, grid, track_of(prepared), full, measured)
+
+
+def track_of(prepared: Prepared) -> FloatArray:
+    """Return time [s], x, y [m], theta [rad] of the path, and the wheels' angles [rad] where they were measured."""
     track = prepared.track.poses()
-    return Simulator(prepared, drive, grid, track, full, measured)
+    if not prepared.has_encoders:
+        return track
+    angles = np.cumsum(prepared.step[:, 3:], axis=0)
+    turned = [np.interp(prepared.track.time, prepared.time, angles[:, side]) for side in range(2)]
+    return np.column_stack([track, *turned])
 
 
 def full_speed(recording: Recording) -> float:

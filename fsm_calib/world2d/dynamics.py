@@ -50,6 +50,7 @@ from fsm_calib.world2d.slots import (
     ENGAGED,
     FORCE_X,
     FORCE_Y,
+    FREE_ROTATING,
     GRIP,
     HALF_AXLE,
     HEADING_COS,
@@ -105,7 +106,7 @@ def begin_base(P, W):
     rotating = P[WHEEL_INERTIA] / (0.5 * (W[RADIUS] + W[RADIUS + 1])) ** 2
     if ratio < 1.0:
         rotating = min(rotating, max(0.5 * mass * (ratio - LEAST_RATIO) / (1.0 - ratio), 0.0))
-    W[ROTATING] = rotating
+    W[ROTATING] = W[FREE_ROTATING] = rotating
     W[BASE_DRIVE] = (0.5 * mass + rotating) / P[TAU_FORWARD]
     W[INERTIA] = 2.0 * half * half * max(P[TAU_TURN] * W[BASE_DRIVE] - rotating, 0.5 * mass * LEAST_RATIO)
 

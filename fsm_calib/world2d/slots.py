@@ -82,7 +82,11 @@ BASE_DRIVE, ROTATING = 62, 63
 """The base's DRIVE [N s/m], and the rotating inertia of a wheel and its motor as a mass at the rim [kg]."""
 LAST_SLIP = 64
 """Slip of the tyres in the step before [m/s] (64, 65): where the search for the next begins."""
-BENCH_SIZE = 66
+WHEEL_ENCODER = 66
+"""Whether encoders turn with the wheels (1) or with the motors (0); they differ while gears are in their play."""
+FREE_ROTATING = 67
+"""The part of ROTATING that turns with the motor alone while its gears are in their play [kg]."""
+BENCH_SIZE = 68
 
 # ---- constants of the world ----
 GRAVITY = 9.80665

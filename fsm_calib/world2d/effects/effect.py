@@ -50,7 +50,8 @@ class Parameter:
     per_recording : bool
         Whether the value belongs to one recording (a phase, the time of an event) and not to the robot.
     fitted : bool
-        Whether poses can tell it at all; the others serve the world only.
+        Whether a fit moves it. The others serve the world only, or, with `starts`, are choices that a diagnosis
+        tries.
     mirror : str
         What becomes of the value when left and right change places: ``same``, ``negate``, ``complement`` (of
         a full difference) or ``swap:NAME`` with the value of another parameter.

@@ -1,12 +1,13 @@
 r"""Play in the gears: after each change of the torque's sign the motor crosses a gap before it drives again.
 
-    d p / d t = (w_m - v_i) / R,    0 <= p <= gap;    m_w d w_m / d t = D (T - w_m),  F = 0    while 0 < p <
-    gap
+    d p / d t = (w_m - v_i) / R,    0 <= p <= gap
+    rotor m_w d w_m / d t = D (T - w_m),  F = 0    while 0 < p < gap
 
-p [rad] place of the motor's tooth in the gap, seen at the wheel, gap [rad] the whole play, w_m [m/s] the
-motor's speed as a rim speed, v_i [m/s] the ground's speed at the wheel, R [m] radius, m_w [kg] rotating
-inertia, D [N s/m] and T [m/s] the motor's line. The step in which the tooth arrives drives for the rest of
-it, and begins with the motor's momentum. Source: Nordin & Gutman, Automatica 38 (2002) 1633, section 3.
+p [rad] place of the motor's tooth in the gap, seen at the wheel, gap [rad] the whole play, w_m [m/s] the motor's
+speed as a rim speed, v_i [m/s] the ground's speed at the wheel, R [m] radius, m_w [kg] rotating inertia, of which
+`rotor` [1] is the motor's, D [N s/m] and T [m/s] the motor's line. The step in which the tooth arrives drives for the
+rest of it, and begins with the motor's momentum. Encoders count the motor's turns or the wheel's (`encoder_side` [1],
+0 motor, 1 wheel), which part while the teeth do. Source: Nordin & Gutman, Automatica 38 (2002) 1633, section 3.
 """
 
 from __future__ import annotations
@@ -14,7 +15,20 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.slots import DRIVE, ENGAGED, HALF_AXLE, OMEGA, RADIUS, RIM, ROTATING, STEP, TARGET, V
+from fsm_calib.world2d.slots import (
+    DRIVE,
+    ENGAGED,
+    FREE_ROTATING,
+    HALF_AXLE,
+    OMEGA,
+    RADIUS,
+    RIM,
+    ROTATING,
+    STEP,
+    TARGET,
+    WHEEL_ENCODER,
+    V,
+)
 from fsm_calib.world2d.tyres import free_speed
 
 TOUCH = 1e-9
@@ -25,16 +39,22 @@ TOUCH = 1e-9
 def cross_gap(P, o, S, m, W):
     """Disengage the motors while their teeth are between the flanks."""
     h = W[STEP]
+    W[WHEEL_ENCODER] = P[o + 1]
+    W[FREE_ROTATING] = P[o + 2] * W[ROTATING]
     for side in range(2):
         rim = S[RIM + side]
         arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
-        free = free_speed(rim, W[TARGET + side], W[DRIVE + side], W[ROTATING], h)
-        travel = (0.5 * (rim + free) - S[V] + arm * S[OMEGA]) * h / W[RADIUS + side]
+        ground = S[V] - arm * S[OMEGA]
+        free = free_speed(rim, W[TARGET + side], W[DRIVE + side], W[FREE_ROTATING], h)
+        travel = (0.5 * (rim + free) - ground) * h / W[RADIUS + side]
         after = S[m + side] + travel
         S[m + side] = min(max(after, 0.0), P[o])
         if abs(travel) > TOUCH:
             beyond = after - P[o] if travel > 0.0 else -after
             W[ENGAGED + side] = min(max(beyond / abs(travel), 0.0), 1.0)
+            if W[ENGAGED + side] > 0.0 and S[m + 2 + side] > 0.0:  # the rotor hits a wheel that rolls
+                S[RIM + side] = ground + P[o + 2] * (free - ground)
+            S[m + 2 + side] = 1.0 if W[ENGAGED + side] == 0.0 else 0.0
 
 
 EFFECT = Effect(
@@ -52,7 +72,33 @@ EFFECT = Effect(
             1.5,
             0.15,
             "2 to 10 degrees at the wheel",
-            starts=(0.05, 0.15, 0.4),
+            starts=(0.02, 0.05, 0.12, 0.25),
+        ),
+        Parameter(
+            "encoder_side",
+            "e",
+            "1",
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            "1 encoders on the wheels, 0 on the motors",
+            strength=False,
+            fitted=False,
+            starts=(0.0, 1.0),
+        ),
+        Parameter(
+            "rotor",
+            "r",
+            "1",
+            1.0,
+            0.05,
+            1.0,
+            1.0,
+            "the motors' part of the rotating inertia, rest on the wheels",
+            strength=False,
+            starts=(0.15, 0.7),
+            step=5e-3,
         ),
     ),
     hooks={"step": cross_gap},
@@ -64,7 +110,7 @@ EFFECT = Effect(
     sentence="The gears have {gap} of play, seen at the wheel.",
     input="command",
     source="Nordin & Gutman 2002",
-    memory=2,
+    memory=4,
     order=65,
     dissipative=True,
 )

@@ -2,8 +2,9 @@ r"""A slippery spot: tyres that stand on it pass less force.
 
     mu_i = mu (1 - loss)        |p_i - (x, y)| <= radius
 
-mu [1] friction coefficient, loss [1] the part that is missing, p_i [m] place of wheel i, centre (x, y) and
-radius [m] of a disc. Wheels then spin up or slide. Source: combined slip of `dynamics`; Pacejka 2012, section
+mu [1] friction coefficient, loss [1] the part that is missing, p_i [m] place of wheel i (or nearer to the body's
+middle: `spread` [1], 1 wheel, 0 middle, where a spot takes both wheels at once), centre (x, y) and radius [m] of a
+disc. Wheels then spin up or slide. Source: combined slip of `dynamics`; Pacejka 2012, section
 3.2.
 """
 
@@ -12,7 +13,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.effects.places import in_disc, wheel_place
+from fsm_calib.world2d.effects.places import contact_arm, contact_place, in_disc
 from fsm_calib.world2d.slots import GRIP
 
 
@@ -20,7 +21,7 @@ from fsm_calib.world2d.slots import GRIP
 def slip(P, o, S, m, W):
     """Lower the grip of each wheel inside."""
     for side in range(2):
-        x, y = wheel_place(W, side)
+        x, y = contact_place(W, contact_arm(W, side, P[o + 4]))
         W[GRIP + side] *= 1.0 - P[o] * in_disc(x, y, P[o + 1], P[o + 2], P[o + 3])
 
 
@@ -42,9 +43,9 @@ EFFECT = Effect(
             starts=(0.8, 0.95),
             step=1e-3,
         ),
-        Parameter("x", "x_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=2e-3),
+        Parameter("x", "x_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3),
         Parameter(
-            "y", "y_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3
+            "y", "y_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=6e-3
         ),
         Parameter(
             "radius",
@@ -56,8 +57,21 @@ EFFECT = Effect(
             0.25,
             "a spot of 5 to 40 cm",
             strength=False,
-            step=2e-3,
+            step=6e-3,
             starts=(0.15, 0.25),
+        ),
+        Parameter(
+            "spread",
+            "w_s",
+            "1",
+            1.0,
+            0.0,
+            1.0,
+            1.0,
+            "1 under the wheels, 0 under the body's middle",
+            strength=False,
+            fitted=False,
+            starts=(1.0, 0.0),
         ),
     ),
     hooks={"step": slip},

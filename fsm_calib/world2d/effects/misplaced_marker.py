@@ -41,9 +41,9 @@ EFFECT = Effect(
         Parameter("turn", "psi_m", "rad", 0.0, -1.6, 1.6, 0.1, "1 to 10 degrees", mirror="negate"),
         Parameter("shift_x", "s_x", "m", 0.0, -0.3, 0.3, 0.01, "2 to 20 mm"),
         Parameter("shift_y", "s_y", "m", 0.0, -0.3, 0.3, 0.0, "2 to 20 mm", mirror="negate"),
-        Parameter("x", "x_m", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=2e-3),
+        Parameter("x", "x_m", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3),
         Parameter(
-            "y", "y_m", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3
+            "y", "y_m", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=6e-3
         ),
         Parameter(
             "radius",
@@ -55,7 +55,7 @@ EFFECT = Effect(
             0.3,
             "half the pitch of the markers to the view's reach",
             strength=False,
-            step=2e-3,
+            step=6e-3,
             starts=(0.15, 0.3),
         ),
     ),

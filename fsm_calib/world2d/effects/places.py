@@ -29,15 +29,27 @@ def in_disc(x, y, centre_x, centre_y, radius):
 
 
 @njit(error_model="numpy")
-def in_box(x, y, centre_x, centre_y, half_x, half_y):
-    """Return how far (0 to 1) the point (x, y) [m] lies inside a box along the axes of `world`."""
-    return rise(half_x - abs(x - centre_x)) * rise(half_y - abs(y - centre_y))
+def in_area(x, y, centre_x, centre_y, half_x, half_y, roundness):
+    """Return how far (0 to 1) the point (x, y) [m] lies inside a box along the axes of `world` (`roundness` 0) or
+    the ellipse in it (1).
+    """
+    depth_x, depth_y = half_x - abs(x - centre_x), half_y - abs(y - centre_y)
+    if roundness <= 0.0:
+        return rise(depth_x) * rise(depth_y)
+    reach = math.hypot((x - centre_x) / half_x, (y - centre_y) / half_y)
+    depth = roundness * (1.0 - reach) * min(half_x, half_y) + (1.0 - roundness) * min(depth_x, depth_y)
+    return rise(depth)
 
 
 @njit(error_model="numpy")
-def wheel_place(W, side):
-    """Return where a wheel stands [m], side 0 left, 1 right, from the place that effects go by."""
-    arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
+def contact_arm(W, side, spread):
+    """Return how far left of the body's middle [m] a contact is: under the wheel (`spread` 1) or nearer."""
+    return spread * (W[HALF_AXLE] if side == 0 else -W[HALF_AXLE])
+
+
+@njit(error_model="numpy")
+def contact_place(W, arm):
+    """Return where on the floor the contact `arm` [m] left of the body's middle stands [m]."""
     return W[PLACE_X] - arm * W[SIN], W[PLACE_Y] + arm * W[COS]
 
 

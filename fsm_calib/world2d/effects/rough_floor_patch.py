@@ -1,10 +1,11 @@
-r"""A rough stretch of floor: each wheel that is on it has additional rolling resistance.
+r"""A rough stretch of floor: each side of the robot that is on it has additional resistance.
 
     F_i = -drag sgn(v_i)        |x_i - x| <= half_x, |y_i - y| <= half_y
 
-F [N] at wheel i, which stands at (x_i, y_i) [m] in `world`; drag [N], centre (x, y) and half sizes [m] of a
-box along the axes (a strip is a long box). Source: rolling resistance, e.g. Wong, Theory of Ground Vehicles,
-4th ed., section 1.2.
+F [N] on side i, whose contact is at (x_i, y_i) [m] in `world` and moves with v_i [m/s]: the wheel, or nearer to the
+body's middle where the body itself drags (`spread` [1], 1 wheel, 0 middle); drag [N], centre (x, y) and half sizes
+[m] of a box along the axes (a strip is a long box), or of the ellipse in it (`roundness` [1], 0 box, 1 ellipse).
+Source: rolling resistance, e.g. Wong, Theory of Ground Vehicles, 4th ed., section 1.2.
 """
 
 from __future__ import annotations
@@ -12,19 +13,19 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.effects.places import in_box, wheel_place
+from fsm_calib.world2d.effects.places import contact_arm, contact_place, in_area
 from fsm_calib.world2d.forces import add_dry_friction
-from fsm_calib.world2d.slots import HALF_AXLE, MASS, OMEGA, V
+from fsm_calib.world2d.slots import MASS, OMEGA, V
 
 
 @njit(error_model="numpy")
 def resist(P, o, S, m, W):
-    """Add the resistance of each wheel at its contact."""
+    """Add the resistance of each side at its contact."""
     for side in range(2):
-        x, y = wheel_place(W, side)
-        arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
+        arm = contact_arm(W, side, P[o + 5])
+        x, y = contact_place(W, arm)
         speed = S[V] - arm * S[OMEGA]
-        drag = P[o] * in_box(x, y, P[o + 1], P[o + 2], P[o + 3], P[o + 4])
+        drag = P[o] * in_area(x, y, P[o + 1], P[o + 2], P[o + 3], P[o + 4], P[o + 6])
         add_dry_friction(W, 0.0, arm, 1.0, 0.0, speed, drag, 0.5 * W[MASS])
 
 
@@ -32,12 +33,12 @@ EFFECT = Effect(
     name="rough_floor_patch",
     family="patch",
     summary="a stretch of floor with more rolling resistance",
-    equation="F_i = -drag sgn(v_i) for wheels inside a box",
+    equation="F_i = -drag sgn(v_i) inside a box or an ellipse",
     parameters=(
         Parameter("drag", "F_p", "N", 0.0, 0.0, 6.0, 0.8, "5 to 30 % of the wheel load", starts=(0.5, 1.5)),
-        Parameter("x", "x_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=2e-3),
+        Parameter("x", "x_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3),
         Parameter(
-            "y", "y_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=2e-3
+            "y", "y_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=6e-3
         ),
         Parameter(
             "half_x",
@@ -49,7 +50,7 @@ EFFECT = Effect(
             0.2,
             "a mat or a strip",
             strength=False,
-            step=2e-3,
+            step=6e-3,
             starts=(0.1, 0.2, 3.0),
         ),
         Parameter(
@@ -62,8 +63,34 @@ EFFECT = Effect(
             0.25,
             "a mat or a strip",
             strength=False,
-            step=2e-3,
+            step=6e-3,
             starts=(0.1, 0.2, 3.0),
+        ),
+        Parameter(
+            "spread",
+            "w_p",
+            "1",
+            1.0,
+            0.0,
+            1.0,
+            1.0,
+            "1 under the wheels, 0 under the body's middle",
+            strength=False,
+            fitted=False,
+            starts=(1.0, 0.0),
+        ),
+        Parameter(
+            "roundness",
+            "q_p",
+            "1",
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            "0 a box, 1 an ellipse",
+            strength=False,
+            fitted=False,
+            starts=(0.0, 1.0),
         ),
     ),
     hooks={"step": resist},

@@ -4,8 +4,8 @@ r"""A wheel sits off its centre: its rolling radius changes with its angle.
 
 R [m] mean radius, phi [rad] angle of the wheel since the start of the recording, e [1] eccentricity over
 radius, phase [rad] at the start. Motor speed and torque are unchanged: no-load rim speed grows with R, the
-slope of the force falls with R^2. Source: rolling of an eccentric disc; Borenstein & Feng, IEEE Trans.
-Robotics and Automation 12 (1996) 869 (unequal radii).
+slope of the force falls with R^2, and a turn of the wheel takes it as far as R says. Source: rolling of an
+eccentric disc; Borenstein & Feng, IEEE Trans. Robotics and Automation 12 (1996) 869 (unequal radii).
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ import math
 
 from numba import njit
 
+from fsm_calib.world2d.dynamics import WHEEL_RADIUS
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.slots import DRIVE, ROLL, TARGET
+from fsm_calib.world2d.slots import DRIVE, RADIUS, ROLL, TARGET
 
 
 @njit(error_model="numpy")
@@ -25,6 +26,7 @@ def wobble(P, o, S, m, W):
         scale = 1.0 + P[o + side] * math.cos(W[ROLL + side] + P[o + 2 + side])
         W[TARGET + side] *= scale
         W[DRIVE + side] /= scale * scale
+        W[RADIUS + side] = P[WHEEL_RADIUS + side] * scale
 
 
 EFFECT = Effect(
