@@ -5,8 +5,8 @@
 Photos are found below the folder to which the environment variable FSM_CALIB_SHARED points (../shared). mrcal runs
 in whichever Python has it (--mrcal, by default /usr/bin/python3, where Debian installs it); its rows are left out
 with a note where it is missing. Distances are root mean squares over corners [px]; a view left out keeps the lens of
-the others and gets its own pose; time is that of the solve, without cross-validation for the peers and with it for
-fsm_calib, which needs it to choose. Detection is timed apart.
+the others and gets its own pose. Time is the processor's, for the solve: without cross-validation for the peers, with
+it for fsm_calib, which needs it to choose.
 """
 
 import argparse
@@ -91,9 +91,9 @@ def opencv_row(
     photos: str, pipeline: str, corners: np.ndarray, board: BoardSpec, size: tuple[int, int], flags: int
 ) -> Row:
     """Return the figures of `cv2.calibrateCamera`; it predicts no error over the image."""
-    begun = time.perf_counter()
+    begun = time.process_time()
     rms = float(opencv_fit(corners, board, size, flags)[0])
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     left_out = [left_out_error(corners, view, board, size, flags) for view in range(len(corners))]
     return Row(photos, pipeline, len(corners), rms, float(np.sqrt(np.mean(left_out))), None, seconds)
 
@@ -121,15 +121,15 @@ def mrcal_row(
 
 def rows_of(photos: str, paths: Sequence[Path], board: BoardSpec, python: str) -> list[Row]:
     """Return every pipeline's figures on one set of photos."""
-    begun = time.perf_counter()
+    begun = time.process_time()
     found = find_in_photos(paths, board)
-    detected = time.perf_counter() - begun
+    detected = time.process_time() - begun
     size = found.image_size
-    begun = time.perf_counter()
+    begun = time.process_time()
     ours = calibrate(found.views, board, size)
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     own = np.array([view.corners_image for view in found.views], dtype=np.float32)
-    print(f"{photos}: {len(own)} of {len(paths)} boards found in {detected:.2f} s", flush=True)
+    print(f"{photos}: {len(own)} of {len(paths)} boards found in {detected:.2f} s of CPU", flush=True)
     rows = [
         opencv_row(photos, "tutorial: window 11, 5", tutorial_corners(paths, board), board, size, MODELS[5])
     ]
@@ -148,7 +148,7 @@ def rows_of(photos: str, paths: Sequence[Path], board: BoardSpec, python: str) -
 def table(rows: Sequence[Row]) -> str:
     """Return the rows as a Markdown table."""
     lines = [
-        "| photos | pipeline, distortion coefficients | views | rms | views left out | predicted | s |",
+        "| photos | pipeline, distortion coefficients | views | rms | views left out | predicted | CPU s |",
         "|---|---|---|---|---|---|---|",
     ]
     for row in rows:
