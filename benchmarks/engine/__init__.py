@@ -1,0 +1,1 @@
+"""Concealed robots from another engine: MuJoCo's rigid bodies and contacts."""
