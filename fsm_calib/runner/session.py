@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 
 from fsm_calib.actions import ACTIVITIES, ActionSettings, Bench
-from fsm_calib.actions.notebook import Notebook
 from fsm_calib.errors import DataError
 from fsm_calib.journal import JOURNAL_NAME, Journal, read_checkpoint, read_journal
 from fsm_calib.machines.books import Books
 from fsm_calib.machines.limits import Limits
 from fsm_calib.machines.runtime import CalibrationMachine
 from fsm_calib.runner.gallery import Gallery
+from fsm_calib.runner.knowledge import teach
 from fsm_calib.runner.logged import LoggedCommand, LoggedRobot
 from fsm_calib.runner.loop import Run
 from fsm_calib.runner.parts import Parts
@@ -27,7 +27,6 @@ from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.settings import actions_of, limits_of
 from fsm_calib.scenario.world import world_of
 from fsm_calib.types import WheelCommand
-from fsm_calib.world2d.fleet import RobotSpec
 from fsm_calib.world2d.robot import World, make_world
 
 POSE_TOLERANCE = 1e-9
@@ -122,19 +121,6 @@ def _session(
         with parts.part("physics"):
             _drive_again(world, directory, state)
     return Session(scenario, world, limits, settings, run)
-
-
-def teach(notebook: Notebook, scenario: Scenario, robot: RobotSpec) -> None:
-    """Write into the notebook what the robot knows from an earlier calibration."""
-    known = scenario.robot.known
-    if known.camera:
-        notebook.camera, notebook.mount = robot.camera, robot.mount
-    ratio = known.wheel_ratio
-    if known.ratio_drift is not None:
-        ratio = robot.wheel_ratio / (1.0 + known.ratio_drift)
-    if ratio is not None:
-        notebook.wheel_ratio = ratio
-        notebook.ratio_history = [ratio]
 
 
 def _machine(scenario: Scenario, limits: Limits, state: dict[str, Any] | None) -> CalibrationMachine:

@@ -72,6 +72,13 @@ class KnownSection(Section):
         description="The wheel ratio was calibrated, and the true one has since drifted by this share: "
         "k in use = true k / (1 + ratio_drift).",
     )
+    errors: float = Field(
+        default=1.0,
+        ge=0.0,
+        le=20.0,
+        description="How wrong this knowledge is, as a multiple of what a calibration leaves: camera 0.15 px, "
+        "tilt 0.1 deg, yaw 0.5 deg, wheel ratio 0.1 % (not of `wheel_ratio`, which is taken as given).",
+    )
 
 
 class RobotSection(Section):
