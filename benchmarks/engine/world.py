@@ -1,10 +1,11 @@
 """A two-wheeled robot in MuJoCo, driven by held commands; shares nothing with `fsm_calib.world2d`.
 
-Body, wheels and two sliding balls (before and behind, so that the centre of mass may lie on the axle) are rigid bodies in three dimensions; wheels are ellipsoids on a plane with elliptic friction
-cones, so that tyres slip, scrub and bounce as MuJoCo's soft contacts do (Todorov 2014, DOI 10.1109/ICRA.2014.6907751).
-The motors are MuJoCo actuators with a torque-speed line, torque = stall (gain command - rate / no_load). Payload, tilt,
-friction of the drive train, scrub, pushes and eccentric wheels are MuJoCo's own; dead bands, delays and clipping act
-on the command before it reaches the actuator.
+Body, wheels and two sliding balls (before and behind, so that the centre of mass may lie on the axle) are rigid bodies
+in three dimensions. Wheels are ellipsoids on a plane with elliptic friction cones, so that tyres slip, scrub and bounce
+as MuJoCo's soft contacts do (Todorov 2014, DOI 10.1109/ICRA.2014.6907751). The motors are MuJoCo actuators with a
+torque-speed line, torque = stall (gain command - rate / no_load). Payload, tilt, friction of the drive train, scrub,
+pushes and eccentric wheels are MuJoCo's own; dead bands, delays and clipping act on the command before it reaches the
+actuator.
 """
 
 from __future__ import annotations
