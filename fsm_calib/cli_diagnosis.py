@@ -57,6 +57,8 @@ def diagnose_command(
     for path in (json_file, world):
         if path is not None and str(path) != "-" and not path.parent.is_dir():
             raise InputError("the folder of the output file does not exist", where=str(path))
+    if report is not None and report.exists() and not report.is_dir():
+        raise InputError("the report needs a folder, this is a file", where=str(report))
     train = [read_recording(path) for path in recordings]
     new = [read_recording(path) for path in holdout or ()]
     for recording in train + new:
@@ -64,6 +66,8 @@ def diagnose_command(
             typer.echo(f"{recording.source}: {finding}", err=True)
     with DiagnosisProgress(len(registry())) as bar:
         result = diagnose(train, new, without=without or (), progress=bar.part, seed=seed)
+    for note in result.notes:
+        typer.echo(note, err=True)
     plain = result.verdict.as_json()
     if str(json_file) == "-":
         typer.echo(json.dumps(plain, indent=1, allow_nan=False))

@@ -13,6 +13,8 @@ from fsm_calib.report.run_style import BOARD_COLOURS, PHASE_COLOURS, Margins, fi
 
 BEFORE, AFTER, MEASURED, FLOOR = "#d95f0e", "#2b7bba", "#222222", "#9aa0a6"
 """Colours of the base robot alone, of the robot with the effects, of what was measured, and of the noise floor."""
+HOLE = 1.0
+"""Time without windows over which no line is drawn [s]."""
 NAMED_STATES = 15
 """States that the ribbon's legend names."""
 RANKED = 12
@@ -41,14 +43,19 @@ def error_over_time(drive: Drive) -> str:
 def _errors(axis: Axes, drive: Drive, row: int) -> None:
     """Draw one row: 0 position [mm], 1 heading [deg]."""
     for windows, colour, name in ((drive.before, BEFORE, "before"), (drive.after, AFTER, "after")):
-        axis.plot(windows.time, sizes(windows, row), color=colour, linewidth=1.0, label=name)
+        axis.plot(*unjoined(windows.time, sizes(windows, row)), color=colour, linewidth=1.0, label=name)
     scale = 1e3 if row == 0 else np.degrees(1.0)
-    axis.plot(
-        drive.after.time, drive.after.floor[:, row] * scale, color=FLOOR, linewidth=1.0, label="noise floor"
-    )
+    floor = unjoined(drive.after.time, drive.after.floor[:, row] * scale)
+    axis.plot(*floor, color=FLOOR, linewidth=1.0, label="noise floor")
     every = np.concatenate([sizes(drive.before, row), sizes(drive.after, row)])
     top = float(np.quantile(every, SPREAD)) if len(every) else 1.0
     axis.set(ylim=(0.0, 1.25 * max(top, 1e-6)), ylabel="position [mm]" if row == 0 else "heading [deg]")
+
+
+def unjoined(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a line that is interrupted (NaN) where no window ended for longer than `HOLE`."""
+    holes = np.flatnonzero(np.diff(time) > HOLE) + 1
+    return np.insert(time, holes, np.nan), np.insert(value, holes, np.nan)
 
 
 def sizes(windows: Windows, row: int) -> np.ndarray:
@@ -73,8 +80,10 @@ def _ribbon(axis: Axes, drive: Drive) -> None:
 
 def state_colour(name: str, names: list[str]) -> str:
     """Return the colour of a state: its phase's where the state is a phase, else one of a row."""
-    palette = [*BOARD_COLOURS, *PHASE_COLOURS.values()]
-    return PHASE_COLOURS.get(name, palette[names.index(name) % len(palette)])
+    taken = {PHASE_COLOURS[n] for n in names if n in PHASE_COLOURS}
+    palette = [c for c in dict.fromkeys([*BOARD_COLOURS, *PHASE_COLOURS.values()]) if c not in taken]
+    others = [n for n in names if n not in PHASE_COLOURS]
+    return PHASE_COLOURS.get(name) or palette[others.index(name) % len(palette)]
 
 
 def error_on_floor(drive: Drive) -> str:

@@ -32,6 +32,7 @@ def world_text(diagnosis: Diagnosis) -> str:
             for p in effect.parameters
             if fit.values[0, table.place(f"{ranked.name}.{p.name}")] != p.null
         }
+    measured = decision.engine.simulators[0].measured_input
     left, right = (fit.values[0, table.place(f"gain_{side}")] for side in ("left", "right"))
     body = {
         "name": f"improved-{_safe(name)}",
@@ -39,12 +40,19 @@ def world_text(diagnosis: Diagnosis) -> str:
             "name": _safe(name),
             "source": "nominal",
             "wheel_ratio": _rounded(left / right),
-            "speed": _rounded(0.5 * (left + right) / table.null[table.place("gain_left")]),
+            "speed": 1.0
+            if measured
+            else _rounded(0.5 * (left + right) / table.null[table.place("gain_left")]),
             "base": {name: _rounded(fit.values[0, table.place(name)]) for name in FITTED_BASE},
             "effects": effects,
         },
     }
-    lines = [f"# {diagnosis.verdict.verdict}: {diagnosis.verdict.reason}", "# the base robot as fitted:"]
+    lines = [f"# {diagnosis.verdict.verdict}: {diagnosis.verdict.reason}"]
+    if measured:
+        lines.append(
+            "# wheel speeds were measured: the motors' strength is not known, the nominal one is taken"
+        )
+    lines.append("# the base robot as fitted:")
     lines += [f"#   {key}: {e.value:.5g} ± {e.sd:.2g} {e.unit}" for key, e in diagnosis.verdict.base.items()]
     return "\n".join(lines) + "\n" + yaml.safe_dump(body, sort_keys=False)
 

@@ -1,0 +1,175 @@
+"""The report of a diagnosis: one page that holds the answer, its figures and the improved world."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
+from fsm_calib.errors import InputError
+from fsm_calib.recording.channels import CommandTrack, PoseTrack, StateTrack, WheelPair
+from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.report.diagnosis_figures import state_colour, unjoined
+from fsm_calib.report.diagnosis_paths import SEGMENT, drives, predicted_paths, state_spans
+from fsm_calib.report.diagnosis_report import diagnosis_page, write_report
+from fsm_calib.report.diagnosis_world import world_text
+from fsm_calib.scenario.load import load_scenario
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.observation import predict
+from fsm_calib.world2d.parameters import parameters
+from fsm_calib.world2d.rollout import Drive
+
+CONSIDERED = {"motor_deadband", "floor_tilt", "tyre_scrub"}
+NOISE = np.array([0.002, 0.002, 0.006])
+
+
+def recording(seed: int, seconds: float = 40.0) -> Recording:
+    """A drive of a robot whose motors lose 0.08 of every command, with states."""
+    rng = np.random.default_rng(seed)
+    times = np.arange(0.2, seconds, 0.5)
+    left = rng.choice([-0.3, -0.15, 0.0, 0.15, 0.3, 0.5], size=len(times))
+    right = np.where(rng.uniform(size=len(times)) < 0.5, left, rng.permutation(left))
+    truth = parameters({"motor_deadband.offset": 0.08, "gain_left": 0.62, "gain_right": 0.6})
+    stamps = np.arange(0.0, seconds, 0.08)
+    poses = predict(truth, Drive(times, left, right), stamps, (0.0, 0.0, 0.0)).poses
+    x, y, theta = (poses + rng.normal(size=poses.shape) * NOISE).T
+    return Recording(
+        robot=RobotFacts("bot", 0.0318, 0.1, 20.0),
+        command=CommandTrack(times, left, right),
+        pose=PoseTrack(stamps, x, y, theta),
+        state=StateTrack(np.array([0.0, 15.0]), ("wheels.shuttling", "exit.driving")),
+        source=f"run-{seed}.recording.yaml",
+    )
+
+
+@pytest.fixture(scope="module")
+def diagnosis() -> Diagnosis:
+    others = set(registry()) - CONSIDERED
+    return diagnose([recording(1), recording(2)], [recording(3)], without=others)
+
+
+@pytest.fixture(scope="module")
+def page(diagnosis: Diagnosis) -> str:
+    return diagnosis_page(diagnosis)
+
+
+def test_the_page_begins_with_the_answer(page: str) -> None:
+    answer = page[page.index("The answer") : page.index("Error of a prediction")]
+    assert "motor deadband" in answer
+    assert re.search(r"\d+ % sure", answer)
+
+
+def test_the_page_shows_before_after_and_floor_for_both_kinds_of_recordings(page: str) -> None:
+    rows = re.findall(r"<tr><td>(fitted|not fitted)</td>(.*?)</tr>", page)
+    assert [name for name, _ in rows] == ["not fitted", "fitted"]
+    assert all(cells.count("mm") == 3 and cells.count("deg") == 3 for _, cells in rows)
+
+
+def test_the_page_draws_every_recording_the_unseen_first(page: str) -> None:
+    titles = re.findall(r"<h2>(run-\d), (not fitted|fitted)</h2>", page)
+    assert titles == [("run-3", "not fitted"), ("run-1", "fitted"), ("run-2", "fitted")]
+    for run in ("run-1", "run-2", "run-3"):
+        for figure in ("Error over time", "Error on the floor", "Paths"):
+            assert f'aria-label="{figure}, {run}"' in page
+
+
+def test_the_ribbon_names_the_machines_states(page: str) -> None:
+    assert "wheels.shuttling" in page
+    assert "exit.driving" in page
+
+
+def test_the_page_gives_the_effects_parameter_with_its_interval(page: str, diagnosis: Diagnosis) -> None:
+    estimate = diagnosis.verdict.effects[0].parameters["offset"]
+    row = re.search(r"<td>motor_deadband</td><td>offset</td>(.*?)</tr>", page)
+    assert row is not None
+    low, high = (float(x) for x in re.findall(r"(-?[\d.]+) to (-?[\d.]+)", row[1])[0])
+    assert low < estimate.value < high
+    assert high - low == pytest.approx(2 * 1.645 * estimate.sd, rel=0.01)
+
+
+def test_the_page_needs_no_other_file(page: str) -> None:
+    assert not re.search(r'(src|href)="(?!#|data:)', page)
+
+
+def test_each_part_of_the_time_is_on_the_page(page: str, diagnosis: Diagnosis) -> None:
+    assert all(f"<th>{part}</th>" in page for part in diagnosis.verdict.seconds)
+
+
+def test_an_unwritable_folder_is_an_input_error(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot write the report"):
+        write_report(diagnosis, tmp_path / "missing")
+
+
+def test_the_improved_world_is_a_scenario_with_the_effect(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    path = tmp_path / "world.yaml"
+    path.write_text(world_text(diagnosis), encoding="utf-8")
+    scenario = load_scenario(path)
+    assert scenario.robot.effects.motor_deadband.offset == pytest.approx(0.08, abs=0.01)
+    assert scenario.robot.wheel_ratio == pytest.approx(0.62 / 0.6, abs=0.01)
+
+
+def test_a_match_leaves_a_world_without_effects(diagnosis: Diagnosis) -> None:
+    matched = replace(diagnosis, decision=replace(diagnosis.decision, outcome="match"))
+    assert yaml.safe_load(world_text(matched))["robot"]["effects"] == {}
+
+
+def test_measured_wheel_speeds_leave_the_motors_nominal(diagnosis: Diagnosis) -> None:
+    engine = diagnosis.decision.engine
+    measured = tuple(replace(s, measured_input=True) for s in engine.simulators)
+    changed = replace(diagnosis.decision, engine=replace(engine, simulators=measured))
+    text = world_text(replace(diagnosis, decision=changed))
+    assert yaml.safe_load(text)["robot"]["speed"] == 1.0
+    assert "wheel speeds were measured" in text
+
+
+def test_chaining_the_measured_steps_gives_the_measured_path(diagnosis: Diagnosis) -> None:
+    prepared = diagnosis.decision.engine.simulators[0].prepared
+    for path in predicted_paths(prepared, prepared.step):
+        k = int(np.argmin(np.hypot(*(prepared.reference[:, :2] - path[0]).T)))
+        np.testing.assert_allclose(path, prepared.reference[k : k + len(path), :2], atol=1e-9)
+
+
+def test_predicted_paths_start_afresh_every_segment(diagnosis: Diagnosis) -> None:
+    simulator = diagnosis.decision.engine.simulators[0]
+    paths = predicted_paths(simulator.prepared, simulator.prepared.step)
+    length = float(simulator.prepared.time[-1] - simulator.prepared.time[0])
+    assert length / SEGMENT - 1 <= len(paths) <= length / SEGMENT + 1
+
+
+def test_predictions_come_nearer_with_the_effect(diagnosis: Diagnosis) -> None:
+    drive = next(d for d in drives(diagnosis) if d.judged)
+    before, after = (np.median(np.hypot(*w.error[:, :2].T)) for w in (drive.before, drive.after))
+    assert after < 0.7 * before
+
+
+def test_state_spans_cover_the_recording(diagnosis: Diagnosis) -> None:
+    prepared = diagnosis.decision.engine.simulators[0].prepared
+    spans = state_spans(prepared)
+    assert spans[0][:2] == (0.0, 15.0)
+    assert spans[-1][1] == pytest.approx(prepared.time[-1])
+
+
+def test_a_line_is_interrupted_where_nothing_was_measured() -> None:
+    time, value = unjoined(np.array([0.0, 0.5, 4.0, 4.5]), np.arange(4.0))
+    assert np.isnan(time[2])
+    assert np.isnan(value[2])
+    assert len(time) == 5
+
+
+def test_phases_keep_their_colour_and_other_states_get_different_ones() -> None:
+    names = ["wheels", "a", "b"]
+    assert len({state_colour(name, names) for name in names}) == 3
+
+
+def test_wheel_speeds_alone_are_refused_with_a_cure() -> None:
+    from fsm_calib.errors import DataError
+
+    time = np.arange(0.0, 10.0, 0.1)
+    alone = Recording(wheel_rate=WheelPair(time, np.ones(100), np.ones(100), "rad/s"))
+    with pytest.raises(DataError, match="no poses"):
+        diagnose([alone])
