@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,9 +34,17 @@ MOST_DOTS = 30
 _SIZE = (6.4, 3.2)
 
 
+@contextmanager
+def _panel(width: float, height: float) -> Iterator[Figure]:
+    """Yield an empty figure of `width` x `height` [inch] whose margins fit its labels."""
+    with figure(width, height) as fig:
+        fig.set_layout_engine("constrained")
+        yield fig
+
+
 def camera_figure(summary: Summary, name: str, label: str) -> Figure:
     """Return figure 4a: a figure of the camera calibrations [px], robot by robot."""
-    with figure(*_SIZE) as fig:
+    with _panel(*_SIZE) as fig:
         axes = fig.add_subplot()
         for way in summary.cameras:
             _series(axes, summary.rows.camera(way, name), way)
@@ -47,7 +56,7 @@ def camera_figure(summary: Summary, name: str, label: str) -> Figure:
 
 def deviation_figure(summary: Summary, way: str) -> Figure:
     """Return figure 4b (test 1) or 4c (test 2): deviation after 2 m [m], right positive, robot by robot."""
-    with figure(*_SIZE) as fig:
+    with _panel(*_SIZE) as fig:
         axes = fig.add_subplot()
         axes.axhspan(-PASS_DEVIATION, PASS_DEVIATION, color="#2a9d5c", alpha=0.08, lw=0)
         axes.axhline(0.0, color="#777777", lw=0.8)
@@ -71,7 +80,7 @@ def relation_figure(summary: Summary) -> Figure:
         ("predicted_px", "predicted error [px]"),
         ("true_px", "true error [px]"),
     )
-    with figure(7.6, 2.9) as fig:
+    with _panel(7.6, 2.9) as fig:
         panels = fig.subplots(1, len(shown), sharey=True)
         for axes, (name, label) in zip(panels, shown, strict=True):
             size = 100.0 * np.abs(summary.rows.deviation("test_2"))
@@ -85,7 +94,7 @@ def corrections_figure(variants: Sequence[VariantFigures]) -> Figure:
     """Return each variant's deviations [cm] as a box beside those of the same robots corrected."""
     names = ["corrected", *(item.variant.name.removeprefix("published:") for item in variants)]
     figures = [variants[0].base_deviation, *(item.deviation for item in variants)]
-    with figure(7.2, 0.6 + 0.36 * len(names)) as fig:
+    with _panel(7.2, 0.6 + 0.36 * len(names)) as fig:
         axes = fig.add_subplot()
         places = np.arange(len(names))[::-1]
         middle = np.array([100.0 * item.median_size.value for item in figures])
@@ -101,10 +110,13 @@ def corrections_figure(variants: Sequence[VariantFigures]) -> Figure:
 
 
 def sweep_figure(sweeps: Mapping[str, Sequence[VariantFigures]], units: Mapping[str, str]) -> Figure:
-    """Return the median size of the deviation [cm] against the swept values, one panel a sweep."""
+    """Return the median size of the deviation [cm] against the swept values, one panel a sweep.
+
+    The dashed line is that of the same robots with no setting changed.
+    """
     columns = min(3, len(sweeps))
     lines = -(-len(sweeps) // columns)
-    with figure(2.6 * columns + 0.4, 2.3 * lines + 0.2) as fig:
+    with _panel(2.6 * columns + 0.4, 2.3 * lines + 0.2) as fig:
         panels = np.atleast_1d(fig.subplots(lines, columns, sharey=True)).ravel()
         for axes, (name, items) in zip(panels, sweeps.items()):
             _sweep_panel(axes, items)
@@ -129,6 +141,7 @@ def _sweep_panel(axes: Axes, items: Sequence[VariantFigures]) -> None:
         lw=0,
     )
     axes.plot(values, middle, "o-", color="#2b7bba", ms=4)
+    axes.axhline(100.0 * items[0].base_deviation.median_size.value, color="#777777", lw=0.8, ls="--")
     axes.set_ylim(bottom=0.0)
 
 
