@@ -174,7 +174,8 @@ def _sweeps(summary: Summary) -> Iterable[Block]:
     ]
     yield Paragraph("Test 2 on the same robots with one setting changed.")
     yield _variant_table("setting", names, items)
-    yield Plot("sweeps", "Median size of the deviation; dashed: nothing changed.", partial(figures.sweep_figure, sweeps, units))
+    caption = "Median size of the deviation; dashed: nothing changed."
+    yield Plot("sweeps", caption, partial(figures.sweep_figure, sweeps, units))
 
 
 def _variant_table(title: str, names: Sequence[str], items: Sequence[VariantFigures]) -> Table:
