@@ -23,7 +23,7 @@ from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.diagnosis.situation import situation
 from fsm_calib.world2d.effects import Effect, registry
 
-POLISHED = 3  # candidates that get fresh Jacobians and all noise levels
+POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
 POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
 SWAPS = 4  # other first effects tried beside a second
 WORST_RECORDING = -4.0  # log density that one recording may lose by chance when fitted on the other
@@ -94,7 +94,7 @@ class Judge:
         first = self._model((ranking[0],), ranking[0].fit, base)
         second_ranking: tuple[Ranked, ...] = ()
         model = first
-        if not first.adequacy.surprise < self.gates.surprise:
+        if not first.adequacy.surprise < self.gates.curious:
             model, second_ranking = self._second(first, ranking, base)
         outcome, reason = self._judge(model, base)
         return Decision(
@@ -225,7 +225,7 @@ def smallest_sizes(decision: Decision, threshold: float) -> dict[str, tuple[str,
     from fsm_calib.diagnosis.adequacy import project
     from fsm_calib.diagnosis.hypotheses import hypotheses_of, with_values
 
-    for effect in registry().values():
+    for effect in shown_by(registry().values(), decision.engine.simulators):
         if effect.scan or effect.family == "base":
             continue
         hypothesis = next(hypotheses_of(effect, len(decision.engine.simulators)))

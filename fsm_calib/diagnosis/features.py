@@ -114,6 +114,10 @@ def feature_groups(situations: list[Situation]) -> list[Group]:
         ("left wheel", "command level", _left, lambda s: hats(s.left, commands)),
         ("right wheel", "command level", _right, lambda s: hats(s.right, commands)),
         ("forward", "other wheel", _forward, lambda s: hats(s.left, commands) * np.sign(s.right)[:, None]),
+        ("forward", "direction of motion", _forward, _direction),
+        ("turn", "direction of motion", _turn, _direction),
+        ("forward", "wear and warmth", _forward, lambda s: _trend(s) * s.v[:, None] / speed),
+        ("turn", "wear and warmth", _turn, lambda s: _trend(s) * s.omega[:, None] / spin),
         ("lateral", "fast turns", _lateral, lambda s: np.column_stack([s.v, s.v * s.omega, s.omega, s.spin * 0.1])),
         ("turn", "speed and turning", _turn, lambda s: _turning(s, speed, spin)),
         ("forward", "speed and turning", _forward, lambda s: _driving(s, speed, spin)),
@@ -200,6 +204,18 @@ def _driving(s: Situation, speed: float, spin: float) -> FloatArray:
 def _gusts(s: Situation, end: float) -> FloatArray:
     """Return the forward part of world-fixed speeds, each for a moment."""
     return _world(s, hats(s.time, np.arange(0.0, end, FAST_PITCH)) * _moving(s)[:, None])[0]
+
+
+def _direction(s: Situation) -> FloatArray:
+    """Return which way the body and each wheel move: few numbers, so that faint dry friction stands out."""
+    left, right = s.v - s.half * s.omega, s.v + s.half * s.omega
+    return np.column_stack([np.tanh(u / 0.02) for u in (s.v, s.half * s.omega, left, right)])
+
+
+def _trend(s: Situation) -> FloatArray:
+    """Return time and its square, in minutes: few numbers for what grows through a recording."""
+    minutes = s.time / 60.0
+    return np.column_stack([minutes, minutes**2])
 
 
 def _wound(s: Situation) -> FloatArray:

@@ -22,8 +22,10 @@ class Gates:
     last milliseconds of the base's own tyres and motors; surprise : -log10 p of left-over structure in any feature
     group that is still noise; share : left-over log-likelihood over explained below which the equation may be
     inexact but the name stands; rival : evidence gap below which two names are one set; second : evidence that a
-    second effect needs; dominant : share of the base's error over the horizon below which a name stands whatever
-    finer structure is left (real trackers and floors always leave some).
+    second effect needs; unexplained_surprise : surprise above which recordings without a name are no match;
+    curious : surprise after a first name above which a second is looked for; dominant : share of the base's error
+    over the horizon below which a name stands whatever finer structure is left (real trackers and floors always
+    leave some).
     """
 
     detect: float = 12.0
@@ -31,8 +33,9 @@ class Gates:
     surprise: float = 6.0
     share: float = 0.12
     rival: float = 8.0
-    second: float = 20.0
-    unexplained_surprise: float = 6.0
+    second: float = 40.0
+    unexplained_surprise: float = 4.2
+    curious: float = 4.5
     dominant: float = 0.25
 
 

@@ -162,9 +162,10 @@ class Prober:
         return amplitude, 0.5 * amplitude * amplitude * power * np.sign(amplitude)
 
     def gain(self, columns: Sequence[FloatArray]) -> float:
-        """Return the log-likelihood that a change wins as it stands, the base re-fitted linearly."""
+        """Return the log-likelihood that a change wins as it stands, base re-fitted linearly; -inf for none at all."""
         x = project(self.residual, columns)[:, 0]
-        return float(x @ self.residual.psi) - 0.5 * float(x @ x)
+        power = float(x @ x)
+        return float(x @ self.residual.psi) - 0.5 * power if power > 1e-9 else -np.inf
 
     def starts(self, hypothesis: Hypothesis, changes: Mapping[str, float]) -> list[Start]:
         """Return two starts: the change as declared, and with its strengths scaled by what the data ask for.

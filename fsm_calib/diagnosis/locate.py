@@ -40,6 +40,8 @@ REGIME_WORDS = {
     "after a reversal": "after a reversal",
     "heading turned": "depends on turns made",
     "wheel phase": "once per wheel turn",
+    "direction of motion": "depends on the direction of motion",
+    "wear and warmth": "changes with time",
     "moment": "at moments",
     "repeats in time": "comes and goes with a period",
 }

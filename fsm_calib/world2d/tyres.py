@@ -171,7 +171,10 @@ def turn_wheels(S, W):
         mean = W[RIM_TARGET + side] - W[RIM_SHARE + side] * force
         held = W[RIM_SHARE + side] == 0.0 and W[ENGAGED + side] > 0.0
         before, engaged = S[RIM + side], W[ENGAGED + side]
-        S[RIM + side] = 0.0 if held else settle(before + (mean - before) / lead(W, side))
+        change = (mean - before) / lead(W, side)
+        if engaged > 0.0:
+            change *= engaged  # what the body gave in the part of the step after the teeth met
+        S[RIM + side] = 0.0 if held else settle(before + change)
         turned = 0.5 * (before + S[RIM + side])
         if engaged < 1.0 and W[WHEEL_ENCODER] > 0.0:
             turned = engaged * turned + (1.0 - engaged) * speed

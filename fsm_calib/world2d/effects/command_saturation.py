@@ -27,7 +27,7 @@ EFFECT = Effect(
     parameters=(
         Parameter(
             "limit", "u_max", "1", 2.0, 0.05, 2.0, 0.4, "kinematics node: limit 0.1 to 1",
-            starts=(0.2, 0.3, 0.4, 0.5, 0.6, 0.75, 0.9), step=1e-3,
+            starts=(0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.75, 0.9), step=1e-3,
         ),
     ),
     hooks={"shape": clip},

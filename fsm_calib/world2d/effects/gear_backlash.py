@@ -53,7 +53,7 @@ def cross_gap(P, o, S, m, W):
             beyond = after - P[o] if travel > 0.0 else -after
             W[ENGAGED + side] = min(max(beyond / abs(travel), 0.0), 1.0)
             if W[ENGAGED + side] > 0.0 and S[m + 2 + side] > 0.0:  # the rotor hits a wheel that rolls
-                S[RIM + side] = ground + P[o + 2] * (free - ground)
+                S[RIM + side] = ground + P[o + 2] * (rim - ground)
             S[m + 2 + side] = 1.0 if W[ENGAGED + side] == 0.0 else 0.0
 
 

@@ -1,0 +1,44 @@
+"""Small simulated drives for the tests of the diagnosis: poses with white noise of a robot with known physics."""
+
+import numpy as np
+
+from fsm_calib.recording.channels import CommandTrack, PoseTrack
+from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.world2d.observation import predict
+from fsm_calib.world2d.parameters import parameters
+from fsm_calib.world2d.rollout import Drive
+
+GAIN_LEFT, GAIN_RIGHT = 0.66, 0.61  # m/s
+POSITION_NOISE, HEADING_NOISE = 0.002, 0.006  # m, rad
+RATE = 15.0  # Hz
+
+
+def drive(rng, duration=40.0):
+    """Return held commands of many levels, both directions, spins and rests."""
+    time, left, right, at = [], [], [], 0.5
+    while at < duration:
+        u, hold = rng.uniform(0.12, 0.5), rng.uniform(0.5, 1.6)
+        pair = [(u, u), (-u, -u), (u, -u), (-u, u), (u, 0.5 * u), (0.5 * u, u)][rng.integers(6)]
+        for (a, b), t in ((pair, hold), ((0.0, 0.0), 0.4)):
+            time.append(at)
+            left.append(a)
+            right.append(b)
+            at += t
+    return Drive(time, left, right)
+
+
+def recording(seed=0, duration=40.0, noise=1.0, **changes):
+    """Return a recording of a robot whose parameters are changed by full name with `__` for the dot."""
+    rng = np.random.default_rng(seed)
+    base = {"gain_left": GAIN_LEFT, "gain_right": GAIN_RIGHT}
+    vector = parameters({**base, **{name.replace("__", "."): value for name, value in changes.items()}})
+    commands = drive(rng, duration)
+    stamps = np.arange(0.0, duration, 1.0 / RATE)
+    poses = predict(vector, commands, stamps, (0.1, -0.1, 0.4)).poses
+    poses = poses + noise * rng.normal(size=poses.shape) * [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE]
+    return Recording(
+        robot=RobotFacts(name="simulated", wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=20.0),
+        command=CommandTrack(commands.time, commands.left, commands.right),
+        pose=PoseTrack(stamps, *poses.T),
+        source=f"drive-{seed}",
+    )

@@ -1,0 +1,95 @@
+"""Whole diagnoses of simulated robots with a small catalogue: names, matches, abstention, proof."""
+
+import json
+
+import numpy as np
+import pytest
+from diagnosis_robots import recording
+
+from fsm_calib.diagnosis.decide import Judge
+from fsm_calib.diagnosis.diagnose import diagnose
+from fsm_calib.diagnosis.fit import Engine
+from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, adequacy
+from fsm_calib.diagnosis.prepared import prepare
+from fsm_calib.diagnosis.scan_areas import Area, apart, settled
+from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.world2d.effects import registry
+
+SMALL = ("motor_deadband", "motor_gain_curve", "command_delay", "floor_tilt")
+OTHERS = tuple(name for name in registry() if name not in SMALL)
+
+
+def judged(names=SMALL, gates=DEFAULT_GATES, **changes):
+    simulators = tuple(make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1))
+    effects = [registry()[name] for name in names]
+    return Judge(Engine(simulators), effects, gates, lambda part: None, np.random.default_rng(0)).decide()
+
+
+@pytest.fixture(scope="module")
+def deadband():
+    trains = [recording(seed, motor_deadband__offset=0.04) for seed in (0, 1)]
+    return diagnose(trains, [recording(2, motor_deadband__offset=0.04)], without=OTHERS)
+
+
+def test_deadband_is_named_with_its_width(deadband):
+    (effect,) = deadband.verdict.effects
+    assert effect.name == "motor_deadband"
+    width = effect.parameters["offset"]
+    assert abs(width.value - 0.04) < 4.0 * width.sd
+
+
+def test_named_effect_removes_the_error_on_a_new_drive(deadband):
+    holdout = deadband.verdict.holdout
+    assert holdout.before.xy_m > 1.3 * holdout.after.xy_m
+    assert holdout.after.xy_m < 1.25 * holdout.floor.xy_m
+
+
+def test_verdict_is_plain_json(deadband):
+    plain = json.loads(json.dumps(deadband.verdict.as_json(), allow_nan=False))
+    assert plain["verdict"] == "explained"
+    assert plain["fit"]["horizon_s"] == 2.0
+    assert plain["rivals"][0]["evidence_gap"] > 0.0
+
+
+def test_a_plain_robot_is_a_match():
+    assert judged().outcome == "match"
+
+
+def test_the_true_effect_taken_out_is_not_replaced_by_a_neighbour():
+    decision = judged(("command_delay", "floor_tilt"), motor_deadband__offset=0.05)
+    assert decision.outcome == "unexplained"
+    assert not decision.reason.startswith("detected")
+
+
+def test_no_fit_is_worse_than_its_parent():
+    decision = judged(motor_deadband__offset=0.04)
+    assert all(ranked.gain >= -1e-6 for ranked in decision.ranking)
+
+
+def test_two_delays_are_one_set_without_encoders():
+    decision = judged(("command_delay", "observation_delay", "floor_tilt"), command_delay__delay=0.06)
+    first, second, *_ = decision.ranking
+    assert {first.name, second.name} == {"command_delay", "observation_delay"}
+    assert first.evidence - second.evidence < DEFAULT_GATES.rival
+
+
+def test_nothing_left_is_adequate_whatever_the_gain():
+    class Test:
+        surprise, gain, group = 1.0, 50.0, type("Group", (), {"name": "turn:time"})
+
+    assert adequacy([Test()], 10.0).passes(Gates())
+
+
+def test_areas_climb_to_the_most_promising_place():
+    def judge(areas):
+        score = [1.0 - np.hypot(a.x - 0.31, a.y + 0.12) - abs(a.half_x - 0.2) for a in areas]
+        return np.array(score), np.ones(len(areas))
+
+    best, gain, _ = settled(Area(0.2, 0.0, 0.25, 0.25), judge)
+    assert np.hypot(best.x - 0.31, best.y + 0.12) < 0.02
+    assert gain > 0.95
+
+
+def test_kept_areas_lie_apart():
+    areas = [Area(x, 0.0, 0.1, 0.1) for x in (0.0, 0.05, 0.5)]
+    assert [a.x for a in apart(areas, np.array([3.0, 2.0, 1.0]), 3, 0.2)] == [0.0, 0.5]
