@@ -29,6 +29,8 @@ FIRST_STEPS, LAST_STEPS = 6, 6  # Gauss-Newton steps before and after the noise 
 HOPELESS = 2.0  # log-likelihood units: below, the noise is not fitted again and a fit is given up early
 FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are computed again
 WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
+POLISH_ROUNDS = 4  # fits and noise in turn
+POLISHED_ENOUGH = 3.0  # log-likelihood units that another round must have won to be followed by one more
 NESTING_SLACK = 1e-6
 
 Progress = Callable[[str], None]
@@ -179,8 +181,13 @@ class Bank:
 
 def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[int]) -> Ranked:
     """Fit once more with every Jacobian column fresh and all noise levels free: for the few that matter."""
-    fit = engine.fit(ranked.fit.values, ranked.fit.slots, ranked.fit.noise, steps=6)
-    fit = engine.refit_noise(fit, noise_names, 4)
+    fit = ranked.fit
+    for _ in range(POLISH_ROUNDS):  # one suffices unless the effect carried the base robot far
+        before = fit.score
+        fit = engine.fit(fit.values, fit.slots, fit.noise, steps=6)
+        fit = engine.refit_noise(fit, noise_names, 4)
+        if fit.score < before + POLISHED_ENOUGH:
+            break
     fit = engine.fit(fit.values, fit.slots, fit.noise, steps=6, refresh=True)
     if fit.score < ranked.fit.score:
         fit = engine.fit(ranked.fit.values, ranked.fit.slots, ranked.fit.noise, steps=0)

@@ -116,9 +116,12 @@ def confidence(ranked: Ranked, pool: Sequence[Ranked], decision: Decision) -> fl
 
 def ambiguous_sets(decision: Decision, gates: Gates) -> tuple[tuple[str, ...], ...]:
     """Return the sets of names that the data cannot tell apart, largest evidence first."""
-    if decision.outcome != "explained" or len(decision.model.effects) > 1:
+    if decision.outcome != "explained":
         return ()
     names = indistinguishable(decision.ranking, gates)
+    if len(decision.model.effects) > 1 and decision.model.effects[0].name not in names:
+        return ()
+    names = [n for n in names if n not in {e.name for e in decision.model.effects[1:]}]
     return (tuple(names),) if len(names) > 1 else ()
 
 

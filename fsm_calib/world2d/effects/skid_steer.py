@@ -32,7 +32,7 @@ EFFECT = Effect(
     equation="omega = (w_r - w_l) / (b (1 + stretch))",
     parameters=(
         Parameter(
-            "stretch", "chi - 1", "1", 0.0, 0.0, 3.0, 0.5, "1.3 to 2.5 times the track (Mandow et al. 2007)",
+            "stretch", "chi - 1", "1", 0.0, 0.0, 2.0, 0.5, "1.3 to 2.5 times the track (Mandow et al. 2007)",
             starts=(0.3, 1.0),
         ),
     ),
