@@ -45,12 +45,15 @@ def test_real_robots_give_the_same_rows_bit_for_bit(backend, alone, tmp_path):
     assert all('"outcome": "done"' in row for row in alone)
 
 
-def test_two_dask_worker_processes_give_the_same_rows_bit_for_bit(alone, tmp_path):
+def test_two_dask_worker_processes_give_the_same_rows_bit_for_bit(tmp_path):
     distributed = pytest.importorskip("distributed")
     settings = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
     with distributed.LocalCluster(**settings) as cluster:
-        run_fleet(real_study(), tmp_path, Crew("dask", address=cluster.scheduler_address))
-    assert results(tmp_path) == alone
+        crew = Crew("dask", address=cluster.scheduler_address)
+        store = run_fleet(study(), tmp_path / "dask", crew, trial=study_tiny.plain)
+    run_fleet(study(), tmp_path / "alone", Crew(jobs=1), trial=study_tiny.plain)
+    assert results(tmp_path / "dask") == results(tmp_path / "alone")
+    assert os.getpid() not in {row["worker"]["process"] for row in store.rows.values()}
 
 
 def test_every_robot_has_one_row_and_leaves_no_working_directory(tmp_path):
