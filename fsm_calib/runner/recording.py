@@ -7,6 +7,7 @@ never sees them.
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ NOISE_STREAM = 7
 
 
 def write_drive(directory: Path, session: Session) -> Path:
-    """Write the drive below ``recording/`` as a manifest with CSV files, and as a bag when asked for.
+    """Write the drive below ``recording/`` as a manifest with CSV files, and as a bag unless that is not wanted.
 
     Returns the manifest's path.
     """
@@ -38,8 +39,11 @@ def write_drive(directory: Path, session: Session) -> Path:
     path = write_recording(recording, directory / FOLDER)
     kind = session.scenario.output.bag
     if kind != "none":
-        name = "drive.bag" if kind == "ros1" else "drive_ros2"
-        write_bag(recording, directory / FOLDER / name, f"/{session.scenario.robot.name}")
+        bag = directory / FOLDER / ("drive.bag" if kind == "ros1" else "drive_ros2")
+        if bag.is_dir():
+            shutil.rmtree(bag)  # what an earlier end of the same run left
+        bag.unlink(missing_ok=True)
+        write_bag(recording, bag, f"/{session.scenario.robot.name}")
     return path
 
 

@@ -163,7 +163,7 @@ class OutputSection(Section):
         default=True, description="Write the drive as a recording (fsm-calib/recording@1)."
     )
     bag: Literal["none", "ros1", "mcap"] = Field(
-        default="none", description="Write the drive as a ROS 1 bag or as a ROS 2 bag of MCAP, too."
+        default="mcap", description="Write the drive as a ROS 1 bag or as a ROS 2 bag of MCAP, too."
     )
     pose_noise: float = Field(
         default=0.001,
