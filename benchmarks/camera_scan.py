@@ -147,7 +147,10 @@ def table(rows: list[dict]) -> str:
     )
     for name in ("pitch_error_deg", "roll_error_deg", "height_error_m"):
         values = np.abs([row["scan"][name] for row in rows])
-        lines.append(f"|{name}| median {np.nanmedian(values):.4f}, 95 % {np.nanpercentile(values, 95):.4f}")
+        if np.isfinite(values).any():
+            lines.append(
+                f"|{name}| median {np.nanmedian(values):.4f}, 95 % {np.nanpercentile(values, 95):.4f}"
+            )
     return "\n".join(lines)
 
 
