@@ -35,7 +35,7 @@ from concealed.sizing import GRID, HORIZON, refit, relative_motion
 from engine.world import Robot, simulate
 
 BAND = (1.5, 2.5)  # 2 s error of the re-fitted base over the noise floor
-TRIALS = 5  # sizes tried at most
+TRIALS = 4  # sizes tried at most
 CLEAN_SHARE = 0.3
 Change = dict[str, float]
 
@@ -88,6 +88,14 @@ SENSOR: dict[str, Callable[[float, np.random.Generator], Change]] = {
     "sensor_offset": lambda size, rng: _direction(rng, 0.1 * size, "dx", "dy"),
     "observation_delay": lambda size, rng: {"delay": 0.3 * size},
 }
+FIRST = {
+    "tyre_scrub": 0.05,
+    "floor_tilt": 0.1,
+    "command_saturation": 0.3,
+    "command_delay": 0.14,
+    "observation_delay": 0.12,
+}
+"""First sizes tried, where 0.2 is far off."""
 ONCE = ("motor_fault", "external_push")
 
 
@@ -164,7 +172,8 @@ def choose_size(
     contacts = float(np.sqrt(1.0 + np.max(own / noise) ** 2))
     if name == "none":
         return 0.0, 1.0, contacts
-    target, size, best = rng.uniform(*BAND), 0.2, (0.2, 0.0, math.inf)
+    target, size = rng.uniform(*BAND), FIRST.get(name, 0.2)
+    best = (size, 0.0, math.inf)
     for _ in range(TRIALS):
         error = misfit(sampled(*hidden(name, size, robot, seed), drive, start), robot, drive, start)
         found = float(np.sqrt(1.0 + np.max(np.maximum(error**2 - own**2, 0.0) / noise**2)))

@@ -20,6 +20,7 @@ STEP = 0.001  # s
 CHUNK = 10  # steps between two looks at commands, disturbances and the floor
 WHEEL_WIDTH = 0.012  # m, half the ellipsoid's axis
 BALL_ARM, BALL_RADIUS = 0.07, 0.012  # m before and behind the axle, m
+BALL_GAP = 0.001  # m under each ball, so that the wheels bear the weight
 HEIGHT = 0.03  # m of the body's centre above the axle's height
 PUSH_LASTS = 0.25  # s
 
@@ -71,8 +72,8 @@ def model_text(robot: Robot) -> str:
     r, half = robot.radius, robot.axle / 2.0
     gravity = f"{9.81 * robot.tilt_x} {9.81 * robot.tilt_y} -9.81"
     payload = (
-        f'<geom type="sphere" size="0.02" pos="{robot.payload_x} {robot.payload_y} {HEIGHT}" mass="{robot.payload}"'
-        ' contype="0" conaffinity="0"/>'
+        f'<body pos="{robot.payload_x} {robot.payload_y} {r + HEIGHT}"><geom type="sphere" size="0.02" '
+        f'mass="{robot.payload}" contype="0" conaffinity="0"/></body>'
         if robot.payload > 0.0
         else ""
     )
@@ -93,7 +94,7 @@ def model_text(robot: Robot) -> str:
         )
 
     def ball(x: float) -> str:
-        return f'<geom type="sphere" size="{BALL_RADIUS}" pos="{x} 0 {BALL_RADIUS}" mass="0" condim="1" priority="2"/>'
+        return f'<geom type="sphere" size="{BALL_RADIUS}" pos="{x} 0 {BALL_RADIUS + BALL_GAP}" mass="0" condim="1" priority="2"/>'
 
     return f"""
     <mujoco><option timestep="{STEP}" gravity="{gravity}" cone="elliptic" impratio="20" integrator="implicitfast"/>
@@ -103,7 +104,7 @@ def model_text(robot: Robot) -> str:
           <inertial pos="0 0 {r + HEIGHT}" mass="{robot.mass - 0.06}"
             diaginertia="{0.6 * inertia} {0.7 * inertia} {inertia}"/>
           {ball(-BALL_ARM)}{ball(BALL_ARM)}
-          <body pos="0 0 {r}">{payload}<inertial pos="0 0 0" mass="1e-4" diaginertia="1e-8 1e-8 1e-8"/></body>
+          {payload}
           {wheel("left", half, robot.eccentric_left)}{wheel("right", -half, robot.eccentric_right)}
         </body></worldbody>
       <actuator>{motor("left", robot.gain_left)}{motor("right", robot.gain_right)}</actuator></mujoco>"""
@@ -134,8 +135,9 @@ def simulate(
     count = int(end / (STEP * CHUNK))
     times = np.arange(count) * STEP * CHUNK
     states = np.zeros((count, 10))
-    at = np.searchsorted(np.asarray(drive.times), times - robot.delay + 1e-9, side="right") - 1
-    held = np.stack([np.asarray(drive.left)[at], np.asarray(drive.right)[at]], axis=1) * (at >= 0)[:, None]
+    reached = np.stack(
+        [_mean_levels(robot, drive, side, times) for side in (drive.left, drive.right)], axis=1
+    )
     turned, before, force = 0.0, start[2], np.zeros(2)
     keep = math.exp(-STEP * CHUNK / robot.ou_tau)
     spread = np.array([robot.ou_force, robot.ou_moment]) * math.sqrt(1.0 - keep * keep)
@@ -153,13 +155,21 @@ def simulate(
                 if robot.fault_start <= t < robot.fault_end
                 else 0.0
             )
-            data.ctrl[side] = shaped(robot, held[i, side]) * (1.0 - lost)
+            data.ctrl[side] = reached[i, side] * (1.0 - lost)
             _grip(model, data, robot, sides[side])
         if rng is not None:
             force = keep * force + spread * rng.standard_normal(2)
         _push(data, robot, base, t, yaw, force)
         mujoco.mj_step(model, data, CHUNK)
     return times, states
+
+
+def _mean_levels(robot: Robot, drive, levels, times: np.ndarray) -> np.ndarray:
+    """Return the mean command [1] at the motor over each chunk, shape (n,): no edge is late by a part of a chunk."""
+    edges = np.append(np.asarray(drive.times), max(drive.times[-1], times[-1]) + 1.0)
+    total = np.concatenate([[0.0], np.cumsum(np.diff(edges) * [shaped(robot, u) for u in levels])])
+    ends = np.append(times, times[-1] + STEP * CHUNK) - robot.delay
+    return np.diff(np.interp(ends, edges, total)) / (STEP * CHUNK)
 
 
 def _grip(model, data, robot: Robot, wheel: int) -> None:
