@@ -30,6 +30,7 @@ from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.simulator import Simulator, make_simulator, nominal_values
 from fsm_calib.recording import read_recording
+from fsm_calib.recording.recording import Recording
 from fsm_calib.types import FloatArray
 
 ROOT = Path(__file__).parent.parent
@@ -60,7 +61,8 @@ ROBOTS = (
 )  # fmt: skip
 
 
-def read(robot: Robot, run: str) -> Any:
+def read(robot: Robot, run: str) -> Recording:
+    """Return one run's recording."""
     return read_recording(str(SHARED / robot.name / f"{run}.recording.yaml"))
 
 
@@ -85,6 +87,7 @@ def window_errors(simulator: Simulator, simulated: FloatArray, robot: Robot) -> 
 
 
 def rms(rows: FloatArray) -> float:
+    """Return the root mean square of measured minus simulated of `window_errors`."""
     return float(np.sqrt(np.mean((rows[:, 1] - rows[:, 2]) ** 2))) if len(rows) else float("nan")
 
 
@@ -150,6 +153,7 @@ def examine(robot: Robot) -> dict[str, Any]:
 
 
 def table(found: dict[str, Any]) -> str:
+    """Return one robot's answer and its table in Markdown."""
     robot, unit = found["robot"], "rad" if found["robot"]["channel"] == 2 else "m"
     lines = [f"{robot['name']}: {found['verdict']}, {found['reason']} ({found['seconds']:.0f} s)"]
     lines += [f"  {e['name']} (confidence {e['confidence']:.2f}): {e['sentence']}" for e in found["effects"]]
@@ -167,6 +171,7 @@ def table(found: dict[str, Any]) -> str:
 
 
 def main(names: list[str]) -> None:
+    """Examine the named robots, or all, that have no result yet; print all their tables."""
     done: dict[str, Any] = {}
     if RESULTS.exists():
         done = {row["robot"]["name"]: row for row in map(json.loads, RESULTS.read_text("utf-8").splitlines())}
