@@ -19,7 +19,8 @@ AREA = ((-48.0, 0.55, 0.11, 28.0, 15.0), (0.0, 0.37, 0.0, 0.0, 90.0), (48.0, 0.5
 
 def hand_held(count: int, noise_px: float, seed: int = 0, vector: np.ndarray = TRUTH) -> list[BoardView]:
     """Return random views of one board, whole in the image."""
-    rng, views = np.random.default_rng(seed), []
+    rng = np.random.default_rng(seed)
+    views: list[BoardView] = []
     points = BOARD.points_board() - BOARD.points_board().mean(axis=0)
     while len(views) < count:
         turn = rotation_from_vector(rng.uniform(-0.6, 0.6, 3))
@@ -47,7 +48,8 @@ def board_in_world(spot: tuple[float, float, float, float, float]) -> np.ndarray
 
 def scanned(noise_px: float, seed: int = 0, step: float = 6.0) -> list[BoardView]:
     """Return the views of a robot that turns on one wheel before the area, rows running right in the image."""
-    rng, views = np.random.default_rng(seed), []
+    rng = np.random.default_rng(seed)
+    views: list[BoardView] = []
     rotation, position = base_from_camera(MOUNT)
     worlds = [board_in_world(spot) for spot in AREA]
     for frame, heading in enumerate(np.arange(-60.0, 61.0, step)):
