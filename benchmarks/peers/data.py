@@ -87,11 +87,11 @@ def local_quadratic(time: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.
         tau = time[low:high] - moment
         design = np.stack([np.ones_like(tau), tau, tau**2 / 2.0], axis=1)
         weight = np.ones(len(tau))
-        for _ in range(2):
+        for _ in range(4):
             fit = np.linalg.lstsq(design * weight[:, None], values[low:high] * weight[:, None], rcond=None)[0]
             left_over = np.abs(values[low:high] - design @ fit)
             far = (left_over / (1.4826 * np.median(left_over, axis=0) + 1e-6)).max(axis=1)
-            weight = 1.0 / np.maximum(far / 3.0, 1.0)
+            weight = 1.0 / np.maximum(far / 3.0, 1.0) ** 2
         result[i] = fit
     return result
 
