@@ -8,6 +8,7 @@ from diagnosis_robots import recording
 
 from fsm_calib.diagnosis.decide import Judge
 from fsm_calib.diagnosis.diagnose import diagnose
+from fsm_calib.diagnosis.doubt import with_doubt
 from fsm_calib.diagnosis.fit import Engine
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, adequacy
 from fsm_calib.diagnosis.prepared import prepare
@@ -93,3 +94,12 @@ def test_areas_climb_to_the_most_promising_place():
 def test_kept_areas_lie_apart():
     areas = [Area(x, 0.0, 0.1, 0.1) for x in (0.0, 0.05, 0.5)]
     assert [a.x for a in apart(areas, np.array([3.0, 2.0, 1.0]), 3, 0.2)] == [0.0, 0.5]
+
+
+def test_forces_carry_the_doubt_of_the_mass():
+    friction = registry()["coulomb_friction"]
+    assert with_doubt(friction, "friction", 0.01, 1e-12) == pytest.approx(0.002, rel=1e-3)
+
+
+def test_a_number_that_the_data_cannot_tell_has_no_interval():
+    assert np.isnan(with_doubt(registry()["command_delay"], "delay", 0.1, 0.0))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from fsm_calib.diagnosis.bank import Ranked
 from fsm_calib.diagnosis.decide import Decision, smallest_sizes
+from fsm_calib.diagnosis.doubt import with_doubt
 from fsm_calib.diagnosis.fit import ALL_RUNS, Fit
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, indistinguishable
 from fsm_calib.diagnosis.heldout import Comparison
@@ -56,7 +57,7 @@ def verdict_of(
 
 def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
     """Return the effect's fitted numbers; those that belong to a recording carry its number after the name."""
-    table = parameter_table()
+    table, effect = parameter_table(), registry()[ranked.name]
     found: dict[str, Estimate] = {}
     for j, slot in enumerate(fit.slots):
         if table.owner[slot.place] != ranked.name:
@@ -66,7 +67,7 @@ def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
         name = entry.name if shared else f"{entry.name}_{slot.run + 1}"
         value = float(fit.values[max(slot.run, 0), slot.place])
         variance = float(fit.covariance[j, j])
-        found[name] = Estimate(value, math.sqrt(variance) if variance > 0 else math.nan, entry.unit)
+        found[name] = Estimate(value, with_doubt(effect, entry.name, value, variance), entry.unit)
     return found
 
 
