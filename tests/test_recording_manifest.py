@@ -166,6 +166,11 @@ def test_position_in_place_of_time_is_refused(tmp_path):
     assert "p.csv:2: 199 of 199 steps beat 3 m/s" in refused(write(tmp_path, p=rows))
 
 
+def test_name_stands_for_its_manifest(tmp_path):
+    write(tmp_path, p=ROWS).rename(tmp_path / "drive.recording.yaml")
+    assert read_recording(tmp_path / "drive").pose is not None
+
+
 def test_endless_line_is_refused_without_being_read(tmp_path):
     path = write(tmp_path)
     with (tmp_path / "p.csv").open("wb") as stream:
