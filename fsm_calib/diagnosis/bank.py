@@ -31,6 +31,7 @@ FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are 
 WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
 POLISH_ROUNDS = 4  # fits and noise in turn
 POLISHED_ENOUGH = 3.0  # log-likelihood units that another round must have won to be followed by one more
+FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted; a name needs more
 NESTING_SLACK = 1e-6
 
 Progress = Callable[[str], None]
@@ -124,8 +125,9 @@ class Bank:
         """Turn candidates of a scan into starts, with strengths tried by simulation."""
         plans = []
         best = max((c.promise for c in candidates), default=0.0)
+        wanted = max(WORTH_FITTING * best, min(best, FAINT))
         for candidate in candidates:
-            if candidate.promise < WORTH_FITTING * best:
+            if candidate.promise < wanted:
                 continue
             for names in effect.variants or (tuple(p.name for p in effect.parameters if p.fitted),):
                 given = {n.split(".")[1] for n in candidate.changes}

@@ -28,8 +28,8 @@ class Gates:
     leave some).
     """
 
-    detect: float = 12.0
-    detect_encoders: float = 30.0
+    detect: float = 10.0
+    detect_encoders: float = 20.0
     surprise: float = 6.0
     share: float = 0.12
     rival: float = 8.0
