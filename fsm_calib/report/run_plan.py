@@ -33,7 +33,7 @@ def floor_plan(record: RunRecord) -> str:
             draw_scene(axes, record.scene)
             draw_track(axes, record)
             axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
-        whole.margins(x=0.12)
+        whole.margins(x=0.2)
         whole.legend(loc="upper right", fontsize=8)
         whole.set_title("the area")
         draw_views(near, record)
