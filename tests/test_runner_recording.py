@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fsm_calib.journal import JOURNAL_NAME, read_journal
 from fsm_calib.recording.read import read_recording
-from fsm_calib.runner.recording import commands_of, poses_of, states_of
+from fsm_calib.runner.recording import commands_of, poses_of, recording_of, states_of, write_drive
 from fsm_calib.runner.run import run_scenario
 from fsm_calib.scenario.load import scenario_from
 from fsm_calib.scenario.models import OutputSection
@@ -41,7 +42,7 @@ def test_poses_are_the_path_with_the_noise_that_was_asked_for() -> None:
     assert np.std(track.theta) == pytest.approx(0.01, rel=0.1)
 
 
-@pytest.mark.parametrize("bag", ["none", "mcap"])
+@pytest.mark.parametrize("bag", ["ros1", "mcap"])
 def test_a_run_leaves_a_recording_of_its_drive(tmp_path: Path, bag: str) -> None:
     text = f"""
 name: short
@@ -56,6 +57,9 @@ output: {{report: false, frames: 0, bag: {bag}}}
     assert recording.state.path[-1] == "done"
     assert recording.pose is not None
     assert np.abs(recording.pose.x - np.interp(recording.pose.time, truth[:, 0], truth[:, 1])).max() < 0.01
-    if bag == "mcap":
-        other = read_recording(tmp_path / "recording" / "drive_ros2")
-        assert other.command == recording.command
+    written = recording_of(finished.session, list(read_journal(tmp_path / JOURNAL_NAME)))
+    name = "drive.bag" if bag == "ros1" else "drive_ros2"
+    assert read_recording(tmp_path / "recording" / name) == recording
+    assert recording.channels == written.channels
+    write_drive(tmp_path, finished.session)
+    assert read_recording(tmp_path / "recording" / name) == recording
