@@ -137,7 +137,8 @@ class Judge:
         others = [e for e in self.effects if e.name != first.effects[0].name]
         found = bank.rank(others, self.progress)
         self.timed("second effect", began)
-        if not found or found[0].evidence < self.gates.second:
+        wanted = max(self.gates.second, self.gates.second_share * first.effects[0].evidence)
+        if not found or found[0].evidence < wanted:
             return first, tuple(found)
         second = polished(self.engine, found[0], first.fit, noise_names(self.engine.simulators))
         lead = self._swap(first.effects[0], second, ranking, base)

@@ -22,7 +22,8 @@ class Gates:
     last milliseconds of the base's own tyres and motors; surprise : -log10 p of left-over structure in any feature
     group that is still noise; share : left-over log-likelihood over explained below which the equation may be
     inexact but the name stands; rival : evidence gap below which two names are one set; second : evidence that a
-    second effect needs; unexplained_surprise : surprise above which recordings without a name are no match;
+    second effect needs, and second_share of the first's (an inexact equation leaves a little for another to
+    take); unexplained_surprise : surprise above which recordings without a name are no match;
     curious : surprise after a first name above which a second is looked for; dominant : share of the base's error
     over the horizon below which a name stands whatever finer structure is left (real trackers and floors always
     leave some).
@@ -31,9 +32,10 @@ class Gates:
     detect: float = 10.0
     detect_encoders: float = 20.0
     surprise: float = 6.0
-    share: float = 0.12
+    share: float = 0.2
     rival: float = 8.0
     second: float = 40.0
+    second_share: float = 0.08
     unexplained_surprise: float = 4.2
     curious: float = 4.5
     dominant: float = 0.25
