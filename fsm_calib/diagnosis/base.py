@@ -19,6 +19,10 @@ SLIP_SPREAD = (
 AXLE_SPREAD = 0.05  # of the stated axle: a tape measures the track, tyres touch the floor a width beside it
 RADIUS_SPREAD = 0.05  # of the stated radius: tyres wear and are squeezed; the scale of measured wheel speeds
 FARTHEST = 4.0  # spreads: an axle or a wheel farther from the stated one is another physics, not a re-fit
+TYPICAL_LAG, LAG_SPREAD = (
+    0.15,
+    0.25,
+)  # s: time constants of small robots are 0.05 to 0.3 s; weak, data overrule it
 ROUNDS = 4  # fit and noise in turn; two suffice on clean data
 ENOUGH = 0.5  # log-likelihood units between rounds
 
@@ -43,6 +47,7 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
     if robot.wheel_radius and simulators[0].measured_input:
         slots[:2] = [near(slot, float(values[slot.place]), RADIUS_SPREAD) for slot in slots[:2]]
     if not simulators[0].measured_input:
+        slots[3:5] = [replace(slot, centre=TYPICAL_LAG, spread=LAG_SPREAD) for slot in slots[3:5]]
         slip = slot_of("slip_speed")
         centre = float(values[slip.place])
         slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=SLIP_SPREAD))
