@@ -56,6 +56,12 @@ def test_a_robot_that_the_way_back_took_beyond_its_start_was_held_up_before() ->
     assert bench.robot.commands == []
 
 
+def test_a_camera_yaw_learnt_in_between_is_no_obstacle() -> None:
+    bench = bench_after_a_drive(back_at=0.3 + 0.045)
+    bench.notebook.runs = [WheelRun(1.0, 0.7, 0.1, 0.0, 0.003, 1.0)]
+    assert drive_forward(bench).trigger == "drive_finished"
+
+
 def test_as_published_nothing_looks_for_obstacles() -> None:
     settings = with_published(ActionSettings(), "equation_3")
     assert drive_forward(bench_after_a_drive(0.6, settings)).trigger == "drive_finished"

@@ -128,7 +128,8 @@ def _ended_elsewhere(bench: Bench) -> bool:
         return False
     began, distance = notebook.readings[-2], notebook.runs[-1].distance
     shifts = [math.hypot(a.x - b.x, a.y - b.y) for a, b in _common(began.tags, notebook.reading.tags)]
-    return bool(shifts) and median(shifts) > (1.0 - settings.reached_share) * distance
+    most = max((1.0 - settings.reached_share) * distance, settings.least_shift)
+    return bool(shifts) and median(shifts) > most
 
 
 def _common(
