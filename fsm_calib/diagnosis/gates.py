@@ -32,7 +32,7 @@ class Gates:
     detect: float = 10.0
     detect_encoders: float = 20.0
     surprise: float = 6.0
-    share: float = 0.2
+    share: float = 0.12
     rival: float = 8.0
     second: float = 40.0
     second_share: float = 0.08
