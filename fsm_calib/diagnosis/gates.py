@@ -36,7 +36,7 @@ class Gates:
     rival: float = 8.0
     second: float = 40.0
     second_share: float = 0.08
-    unexplained_surprise: float = 3.4
+    unexplained_surprise: float = 4.2
     curious: float = 4.5
     dominant: float = 0.25
 
