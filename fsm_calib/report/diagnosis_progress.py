@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from types import TracebackType
-from typing import Self
-
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from fsm_calib.report.terminal_bar import TerminalBar
 
 OTHER_PARTS = 4  # base robot, location, what is left, proof
 
 
-class DiagnosisProgress:
+class DiagnosisProgress(TerminalBar):
     """Shows which part is worked on.
 
     Parameters
@@ -23,25 +22,9 @@ class DiagnosisProgress:
     """
 
     def __init__(self, effects: int, console: Console | None = None) -> None:
-        self._console = console or Console(stderr=True)
-        self._progress = Progress(
-            SpinnerColumn(), BarColumn(bar_width=28), TimeElapsedColumn(), TextColumn("{task.description}"),
-            console=self._console, transient=True,
-        )  # fmt: skip
+        columns = (SpinnerColumn(), BarColumn(bar_width=28), TimeElapsedColumn())
+        super().__init__(*columns, TextColumn("{task.description}"), console=console)
         self._task = self._progress.add_task("reading", total=effects + OTHER_PARTS)
-
-    def __enter__(self) -> Self:
-        """Start to draw."""
-        if self._console.is_terminal:
-            self._progress.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Clear the line."""
-        if self._console.is_terminal:
-            self._progress.stop()
 
     def part(self, name: str) -> None:
         """Say which part begins."""

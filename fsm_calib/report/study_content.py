@@ -179,16 +179,7 @@ def _sweeps(summary: Summary) -> Iterable[Block]:
 
 
 def _variant_table(title: str, names: Sequence[str], items: Sequence[VariantFigures]) -> Table:
-    header = (
-        title,
-        "median of size [cm]",
-        "added [cm]",
-        "largest [cm]",
-        "within 10 cm",
-        "finished",
-        "drives",
-        "time [s]",
-    )
+    header = (title, *VARIANT_COLUMNS)
     rows = [
         (
             name,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import Protocol
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from fsm_calib.outcome import Outcome
+from fsm_calib.report.terminal_bar import TerminalBar
 
 LONGEST_STATE = 40
 """Width of the state's path on the bar [characters]."""
@@ -30,7 +30,7 @@ class Silent:
         """Do nothing."""
 
 
-class ProgressBar:
+class ProgressBar(TerminalBar):
     """An observer that draws one bar over the phases of the plan.
 
     Parameters
@@ -42,31 +42,18 @@ class ProgressBar:
     """
 
     def __init__(self, plan: Sequence[str], console: Console | None = None) -> None:
-        self._plan = list(plan)
-        self._console = console or Console(stderr=True)
-        self._phase = ""
-        columns: list[Any] = [
+        super().__init__(
             SpinnerColumn(),
             TextColumn("{task.fields[phase]:<11}"),
             BarColumn(bar_width=24),
-        ]
-        columns += [TextColumn("{task.fields[time]:7.1f} s simulated"), TimeElapsedColumn()]
-        columns += [TextColumn("{task.description}")]
-        self._progress = Progress(*columns, console=self._console, transient=True)
+            TextColumn("{task.fields[time]:7.1f} s simulated"),
+            TimeElapsedColumn(),
+            TextColumn("{task.description}"),
+            console=console,
+        )
+        self._plan = list(plan)
+        self._phase = ""
         self._task = self._progress.add_task("starting", total=len(self._plan), phase="", time=0.0)
-
-    def __enter__(self) -> Self:
-        """Start to draw."""
-        if self._console.is_terminal:
-            self._progress.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Leave the screen clean."""
-        if self._console.is_terminal:
-            self._progress.stop()
 
     def event(self, state: str, phase: str, outcome: Outcome | None, time: float) -> None:
         """Move the bar; a change of phase is also written as a line that stays."""

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from fsm_calib.actions.notebook import Notebook
+from fsm_calib.actions.notebook import CameraFigures, Notebook
 from fsm_calib.errors import DataError
 from fsm_calib.journal import plain
+from fsm_calib.perception.calibration import FitFigures
 from fsm_calib.perception.prediction import projection_difference
 from fsm_calib.runner.session import Session
-from fsm_calib.types import FloatArray, WheelCalibration
+from fsm_calib.types import CameraModel, FloatArray, WheelCalibration
 from fsm_calib.world2d.deviation import TEST_COMMAND, TEST_DISTANCE, straight_deviation
 from fsm_calib.world2d.rollout import WORLD_STEP, Drive, simulate
 
@@ -73,17 +74,24 @@ def camera_result(session: Session) -> dict[str, Any] | None:
         return None
     boards = range(len(session.world.spec.scene.boards))
     return {
+        **fitted_values(camera, figures),
+        "predicted_px": figures.predicted_px,
+        "cross_validated_px": figures.cross_validated_px,
+        "true_px": projection_difference(camera, session.world.truth.camera).rms,
+        "views_used": figures.views_used,
+        "views_per_board": [figures.views_per_board.get(str(board), 0) for board in boards],
+    }
+
+
+def fitted_values(camera: CameraModel, figures: CameraFigures | FitFigures) -> dict[str, Any]:
+    """Return a fitted camera and its reprojection figures [px] as plain values."""
+    return {
         "model": camera.model,
         "matrix": camera.matrix.tolist(),
         "distortion": camera.distortion.tolist(),
         "rms_px": figures.rms_px,
         "mean_px": figures.mean_px,
         "paper_px": figures.paper_px,
-        "predicted_px": figures.predicted_px,
-        "cross_validated_px": figures.cross_validated_px,
-        "true_px": projection_difference(camera, session.world.truth.camera).rms,
-        "views_used": figures.views_used,
-        "views_per_board": [figures.views_per_board.get(str(board), 0) for board in boards],
     }
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from fsm_calib.errors import InputError
 from fsm_calib.scenario.explain import input_error
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.scene import boards_of
 from fsm_calib.scenario.yaml_source import YamlDocument, read_yaml
+
+Model = TypeVar("Model", bound=BaseModel)
 
 
 def load_scenario(path: str | Path) -> Scenario:
@@ -26,20 +29,31 @@ def load_scenario(path: str | Path) -> Scenario:
 
 
 def scenario_from(document: YamlDocument) -> Scenario:
-    """Return the scenario in a parsed YAML document; see `load_scenario` for the errors.
+    """Return the scenario in a parsed YAML document; see `load_scenario` for the errors."""
+    scenario = checked(document, Scenario, "a scenario", "scenarios/full_calibration.yaml")
+    _check_together(scenario, document)
+    return scenario
+
+
+def checked(document: YamlDocument, model: type[Model], noun: str, example: str) -> Model:
+    """Return a parsed YAML document as a `model`.
 
     The values are checked with the strictness of JSON: a list may fill a tuple, but the text '1' is no
     number and `true` is not 1.
+
+    Raises
+    ------
+    InputError
+        With ``file:line:column`` for everything that is wrong; `noun` is what the file should hold, `example` a
+        file that does.
     """
     if not isinstance(document.data, dict):
-        cure = "Start with 'name: ...', or look at scenarios/full_calibration.yaml."
-        raise InputError("a scenario is a mapping of settings", where=document.where(), cure=cure)
+        cure = f"Start with 'name: ...', or look at {example}."
+        raise InputError(f"{noun} is a mapping of settings", where=document.where(), cure=cure)
     try:
-        scenario = Scenario.model_validate_json(json.dumps(document.data), strict=True)
+        return model.model_validate_json(json.dumps(document.data), strict=True)
     except ValidationError as error:
-        raise input_error(error, document, Scenario) from error
-    _check_together(scenario, document)
-    return scenario
+        raise input_error(error, document, model) from error
 
 
 def _check_together(scenario: Scenario, document: YamlDocument) -> None:

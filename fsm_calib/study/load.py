@@ -6,10 +6,8 @@ import json
 from functools import lru_cache
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from fsm_calib.errors import InputError, ManyErrors
-from fsm_calib.scenario.explain import input_error
+from fsm_calib.scenario.load import checked
 from fsm_calib.scenario.yaml_source import YamlDocument, read_yaml
 from fsm_calib.study.models import Study
 from fsm_calib.study.variants import scenario_of_variant, variants_of
@@ -28,13 +26,7 @@ def load_study(path: str | Path) -> Study:
 
 def study_from(document: YamlDocument) -> Study:
     """Return the study in a parsed YAML document; see `load_study` for the errors."""
-    if not isinstance(document.data, dict):
-        cure = "Start with 'name: ...', or look at scenarios/study.yaml."
-        raise InputError("a study is a mapping of settings", where=document.where(), cure=cure)
-    try:
-        study = Study.model_validate_json(json.dumps(document.data), strict=True)
-    except ValidationError as error:
-        raise input_error(error, document, Study) from error
+    study = checked(document, Study, "a study", "scenarios/study.yaml")
     _check_variants(study, document)
     return study
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import time
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
 
+from fsm_calib.report.terminal_bar import TerminalBar
 from fsm_calib.study.variants import BASE, robot_name
 
 _HOUR = 3600.0
 
 
-class FleetBar:
+class FleetBar(TerminalBar):
     """A watcher that draws one bar over all robots.
 
     Parameters
@@ -24,26 +24,10 @@ class FleetBar:
     """
 
     def __init__(self, console: Console | None = None) -> None:
-        self._console = console or Console(stderr=True)
-        columns: list[Any] = [BarColumn(bar_width=24), MofNCompleteColumn(), TimeElapsedColumn()]
-        self._progress = Progress(
-            *columns, TextColumn("{task.description}"), console=self._console, transient=True
-        )
+        columns = (BarColumn(bar_width=24), MofNCompleteColumn(), TimeElapsedColumn())
+        super().__init__(*columns, TextColumn("{task.description}"), console=console)
         self._task = self._progress.add_task("starting", total=None)
         self._began, self._ended, self._total, self._done = time.monotonic(), 0, 0, 0
-
-    def __enter__(self) -> Self:
-        """Start to draw."""
-        if self._console.is_terminal:
-            self._progress.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Leave the screen clean."""
-        if self._console.is_terminal:
-            self._progress.stop()
 
     def begin(self, done: int, total: int, workers: int) -> None:
         """Set the bar to `done` of `total`."""

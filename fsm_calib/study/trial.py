@@ -18,7 +18,7 @@ from fsm_calib.perception.calibration import CameraCalibration, FitFigures
 from fsm_calib.perception.prediction import projection_difference
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Silent
-from fsm_calib.runner.result import result_of
+from fsm_calib.runner.result import fitted_values, result_of
 from fsm_calib.runner.run import drive
 from fsm_calib.runner.session import Session, resumed_session
 from fsm_calib.scenario.models import Scenario
@@ -135,12 +135,7 @@ def _mount_row(
 def camera_row(camera: CameraModel, figures: FitFigures, true: CameraModel) -> dict[str, Any]:
     """Return a calibration's reprojection figures [px] and its error against the true lens [px]."""
     return {
-        "model": camera.model,
-        "matrix": camera.matrix.tolist(),
-        "distortion": camera.distortion.tolist(),
-        "rms_px": figures.rms_px,
-        "mean_px": figures.mean_px,
-        "paper_px": figures.paper_px,
+        **fitted_values(camera, figures),
         "true_px": projection_difference(camera, true).rms,
     }
 

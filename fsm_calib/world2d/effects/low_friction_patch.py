@@ -13,7 +13,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.effects.places import contact_arm, contact_place, in_disc
+from fsm_calib.world2d.effects.places import contact_arm, contact_place, in_disc, spread_parameter
 from fsm_calib.world2d.slots import GRIP
 
 
@@ -60,19 +60,7 @@ EFFECT = Effect(
             step=6e-3,
             starts=(0.15, 0.25),
         ),
-        Parameter(
-            "spread",
-            "w_s",
-            "1",
-            1.0,
-            0.0,
-            1.0,
-            1.0,
-            "1 under the wheels, 0 under the body's middle",
-            strength=False,
-            fitted=False,
-            starts=(1.0, 0.0),
-        ),
+        spread_parameter("w_s"),
     ),
     hooks={"step": slip},
     channels=("forward", "turn", "lateral"),

@@ -10,6 +10,7 @@ import math
 
 from numba import njit
 
+from fsm_calib.world2d.effects.effect import Parameter
 from fsm_calib.world2d.slots import COS, EDGE, HALF_AXLE, PLACE_X, PLACE_Y, SIN
 
 
@@ -39,6 +40,23 @@ def in_area(x, y, centre_x, centre_y, half_x, half_y, roundness):
     reach = math.hypot((x - centre_x) / half_x, (y - centre_y) / half_y)
     depth = roundness * (1.0 - reach) * min(half_x, half_y) + (1.0 - roundness) * min(depth_x, depth_y)
     return rise(depth)
+
+
+def spread_parameter(symbol: str) -> Parameter:
+    """Return the parameter that says where a spot is felt: under each wheel or under the body's middle."""
+    return Parameter(
+        "spread",
+        symbol,
+        "1",
+        1.0,
+        0.0,
+        1.0,
+        1.0,
+        "1 under the wheels, 0 under the body's middle",
+        strength=False,
+        fitted=False,
+        starts=(1.0, 0.0),
+    )
 
 
 @njit(error_model="numpy")

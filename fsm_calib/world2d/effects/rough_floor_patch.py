@@ -13,7 +13,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.effects.places import contact_arm, contact_place, in_area
+from fsm_calib.world2d.effects.places import contact_arm, contact_place, in_area, spread_parameter
 from fsm_calib.world2d.forces import add_dry_friction
 from fsm_calib.world2d.slots import MASS, OMEGA, V
 
@@ -66,19 +66,7 @@ EFFECT = Effect(
             step=6e-3,
             starts=(0.1, 0.2, 3.0),
         ),
-        Parameter(
-            "spread",
-            "w_p",
-            "1",
-            1.0,
-            0.0,
-            1.0,
-            1.0,
-            "1 under the wheels, 0 under the body's middle",
-            strength=False,
-            fitted=False,
-            starts=(1.0, 0.0),
-        ),
+        spread_parameter("w_p"),
         Parameter(
             "roundness",
             "q_p",
