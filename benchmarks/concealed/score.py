@@ -4,10 +4,19 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from statistics import median
+from typing import Any
+
+from concealed.truth import Compared, compared, distance, strength_error
 
 LEVELS = ("plain", "masked", "faint", "below")
+NEAR = 0.05  # m: bar of a place
+SOON = 0.5  # s: bar of an onset
+
+Pair = tuple[dict[str, Any], dict[str, Any]]
+Row = tuple[str, str, str]
 
 
 def first_names(verdict: dict) -> set[str]:
@@ -26,166 +35,170 @@ def is_right(label: str, verdict: dict, encoders: bool) -> bool:
     return label in names
 
 
+def right(pair: Pair) -> bool:
+    """True when a pair of key line and verdict has the right name first."""
+    return is_right(pair[0]["label"], pair[1], pair[0]["encoders"])
+
+
 def share(hits: int, total: int) -> str:
     """A share in percent with its counts."""
     return f"{100 * hits / total:.1f} % ({hits}/{total})" if total else "-"
 
 
-def load(folder: Path, key: list[dict]) -> list[tuple[dict, dict]]:
+def share_of(test: Callable[[Any], bool], items: Iterable[Any]) -> str:
+    """The share of the items that pass a test."""
+    passed = [bool(test(item)) for item in items]
+    return share(sum(passed), len(passed))
+
+
+def load(folder: Path, key: list[dict]) -> list[Pair]:
     """Pairs of key line and verdict, for those robots that have one."""
     return [(k, json.loads(p.read_text())) for k in key if (p := folder / f"{k['name']}.json").exists()]
 
 
-def _fit_ratios(pairs: list, channel: str) -> list[float]:
-    out = []
-    for k, v in pairs:
-        holdout = (v.get("fit") or {}).get("holdout") or {}
-        after, floor = holdout.get("after") or {}, holdout.get("floor") or {}
-        if (
-            k["label"] != "none"
-            and after.get(channel)
-            and floor.get(channel)
-            and is_right(k["label"], v, k["encoders"])
-        ):
-            out.append(after[channel] / floor[channel])
-    return out
+def is_single(line: dict) -> bool:
+    """True for a robot with one effect of the catalogue that was driven well enough to tell."""
+    return line["label"] != "none" and not {"+", ":"} & set(line["label"]) and not line["poor"]
+
+
+def name_rows(single: list[Pair]) -> Iterator[Row]:
+    """Who was named right, wrong or not at all, by level."""
+    for level in LEVELS:
+        group = [pair for pair in single if pair[0]["level"] == level]
+        if not group:
+            continue
+        said = Counter(v["verdict"] for _, v in group)
+        bar = {"faint": ">= 80 %", "below": ""}.get(level, ">= 97 %")
+        yield f"right name first, {level}", share_of(right, group), bar
+        yield f"wrong name, {level}", share_of(lambda p: bool(first_names(p[1])) and not right(p), group), ""
+        yield f"unexplained / match, {level}", f"{said['unexplained']} / {said['match']}", ""
+
+
+def control_rows(pairs: list[Pair], single: list[Pair]) -> Iterator[Row]:
+    """Clean robots, physics outside the catalogue, two effects, poor drives."""
+    clean = [v for k, v in pairs if k["label"] == "none"]
+    outside = [v for k, v in pairs if k["label"].startswith("x:")]
+    unexplained = lambda v: v["verdict"] == "unexplained"  # noqa: E731
+    yield "false name on clean robots", share_of(first_names, clean), "<= 1 %"
+    yield "clean robots called unexplained", share_of(unexplained, clean), ""
+    yield "unexplained for outside physics", share_of(unexplained, outside), ">= 90 %"
+    yield "a name for outside physics", share_of(first_names, outside), ""
+    both = [(k, {e["name"] for e in v["effects"]} | first_names(v)) for k, v in pairs if "+" in k["label"]]
+    held = share_of(lambda pair: set(pair[0]["label"].split("+")) <= pair[1], both)
+    yield "both names of a pair", held, ">= 85 %"
+    named = [v for k, v in single if right((k, v))]
+    yield "spurious second name", share_of(lambda v: len(v["effects"]) > 1, named), "<= 3 %"
+    poor = [v for k, v in pairs if k["poor"]]
+    yield "poor excitation: one confident name", share_of(lambda v: len(first_names(v)) == 1, poor), "none"
+
+
+def proof_rows(pairs: list[Pair]) -> Iterator[Row]:
+    """Errors on the drive that was not fitted, over the floor, where the name is right."""
+    named = [v for k, v in pairs if k["label"] != "none" and right((k, v))]
+    for channel, bar in (("xy_m", "<= 1.03"), ("theta_rad", "<= 1.08")):
+        errors = [_errors(verdict, channel) for verdict in named]
+        ratios = [after / floor for after, floor in errors if after and floor]
+        found = f"{median(ratios):.3f} (n {len(ratios)})" if ratios else "-"
+        yield f"held-out after / floor, {channel}", found, bar
+
+
+def _errors(verdict: dict, channel: str) -> tuple[float | None, float | None]:
+    holdout = (verdict.get("fit") or {}).get("holdout") or {}
+    after, floor = ((holdout.get(part) or {}).get(channel) for part in ("after", "floor"))
+    return after, floor
+
+
+def number_rows(single: list[Pair]) -> Iterator[Row]:
+    """Strengths, intervals, places and moments where the name is right and the two laws have the number in common."""
+    found = [(k["label"], numbers_of((k, v))) for k, v in single if right((k, v))]
+    errors = [(label, error) for label, items in found if (error := strength_error(items)) is not None]
+    if errors:
+        middle = median(error for _, error in errors)
+        yield "parameter error, median", f"{100 * middle:.1f} % (n {len(errors)})", "<= 8 %"
+        by_effect = {name: [e for label, e in errors if label == name] for name, _ in errors}
+        worst = max(by_effect, key=lambda name: median(by_effect[name]))
+        text = f"{100 * median(by_effect[worst]):.1f} % ({worst}, n {len(by_effect[worst])})"
+        yield "parameter error, worst effect's median", text, "<= 25 %"
+        off = [name for name, values in by_effect.items() if median(values) > 0.25]
+        yield "effects off by more than 25 % in the median", ", ".join(sorted(off)) or "none", "none"
+    held = [item.held for _, items in found for item in items if item.held is not None]
+    yield "90 % intervals that hold the truth", share(sum(held), len(held)), "85 to 95 %"
+    yield _missed("place", [distance(items, "place") for _, items in found], NEAR, "m")
+    yield _missed("onset", [distance(items, "time") for _, items in found], SOON, "s")
+
+
+def numbers_of(pair: Pair) -> list[Compared]:
+    """The numbers of the first effect that key and verdict have in common."""
+    line, verdict = pair
+    wanted = {line["label"], "command_delay", "observation_delay"}
+    effect = next((e for e in verdict["effects"] if e["name"] in wanted), None)
+    return [] if effect is None else compared(line, effect)
+
+
+def _missed(what: str, misses: list[float | None], bar: float, unit: str) -> Row:
+    known = [miss for miss in misses if miss is not None]
+    text = f", median {median(known):.3f} {unit}" if known else ""
+    within = share_of(lambda miss: miss <= bar, known) + text
+    return f"{what} within {bar:g} {unit}", within, "all"
+
+
+def confidence_rows(pairs: list[Pair]) -> Iterator[Row]:
+    """Stated confidence beside the share that is right."""
+    named = [pair for pair in pairs if first_names(pair[1])]
+    if named:
+        stated = sum(v["effects"][0].get("confidence") or 0.0 for _, v in named) / len(named)
+        held = sum(map(right, named)) / len(named)
+        yield "stated confidence, mean / share right", f"{stated:.3f} / {held:.3f}", "within 0.05"
+
+
+def time_rows(pairs: list[Pair]) -> Iterator[Row]:
+    """Seconds a robot, by what was recorded."""
+    for encoders, bar in ((False, "15"), (True, "30")):
+        seconds = [v.get("seconds") or 0.0 for k, v in pairs if k["encoders"] is encoders]
+        text = f"{median(seconds):.1f} / {max(seconds):.1f} (n {len(seconds)})" if seconds else "-"
+        yield f"seconds {'with' if encoders else 'without'} encoders, median / max", text, bar
+
+
+def effect_rows(single: list[Pair]) -> Iterator[str]:
+    """One line an effect: how many, how many right, and how far its numbers are off in the median."""
+    for label in sorted({k["label"] for k, _ in single}):
+        group = [pair for pair in single if pair[0]["label"] == label]
+        named = [numbers_of(pair) for pair in group if right(pair)]
+        errors = [e for items in named if (e := strength_error(items)) is not None]
+        held = [item.held for items in named for item in items if item.held is not None]
+        error = f"{100 * median(errors):.0f} %" if errors else "-"
+        yield f"| {label} | {share_of(right, group)} | {error} | {share(sum(held), len(held))} |"
+
+
+def failures(pairs: list[Pair]) -> Iterator[str]:
+    """Every robot that was called something else than it is."""
+    for line, verdict in pairs:
+        said = f"{verdict['verdict']} {[e['name'] for e in verdict['effects']]}"
+        if is_single(line) and not right((line, verdict)):
+            eyes = ", encoders" if line["encoders"] else ""
+            rivals = [r["name"] for r in (verdict.get("rivals") or [])[:3]]
+            size = f"{line['level']}, {line['ratio']:.2f} x floor{eyes}"
+            yield f"- {line['name']}: {line['label']} ({size}): {said} rivals {rivals}"
+    for line, verdict in pairs:
+        if (line["label"] == "none" or ":" in line["label"]) and first_names(verdict):
+            yield f"- {line['name']}: {line['label']}: {verdict['verdict']} {[e['name'] for e in verdict['effects']]}"
 
 
 def report(out: Path, key: list[dict]) -> str:
-    """Markdown: figures, confusions, failures."""
+    """Markdown: figures, effects, confusions, failures."""
     pairs = load(out / "verdicts", key)
-    single = [
-        (k, v)
-        for k, v in pairs
-        if k["label"] != "none" and "+" not in k["label"] and ":" not in k["label"] and not k["poor"]
-    ]
-    rows: list[tuple[str, str, str]] = []
-    for level in LEVELS:
-        group = [(k, v) for k, v in single if k["level"] == level]
-        right = sum(is_right(k["label"], v, k["encoders"]) for k, v in group)
-        wrong = sum(bool(first_names(v)) and not is_right(k["label"], v, k["encoders"]) for k, v in group)
-        rows.append(
-            (
-                f"right name first, {level}",
-                share(right, len(group)),
-                {"faint": ">= 80 %", "below": ""}.get(level, ">= 97 %"),
-            )
-        )
-        rows.append((f"wrong name, {level}", share(wrong, len(group)), ""))
-        rows.append(
-            (
-                f"unexplained / match, {level}",
-                f"{sum(v['verdict'] == 'unexplained' for _, v in group)} / {sum(v['verdict'] == 'match' for _, v in group)}",
-                "",
-            )
-        )
-    clean = [v for k, v in pairs if k["label"] == "none"]
-    rows.append(
-        ("false name on clean robots", share(sum(bool(first_names(v)) for v in clean), len(clean)), "<= 1 %")
-    )
-    rows.append(
-        (
-            "clean robots called unexplained",
-            share(sum(v["verdict"] == "unexplained" for v in clean), len(clean)),
-            "",
-        )
-    )
-    outside = [v for k, v in pairs if k["label"].startswith("x:")]
-    rows.append(
-        (
-            "unexplained for outside physics",
-            share(sum(v["verdict"] == "unexplained" for v in outside), len(outside)),
-            ">= 90 %",
-        )
-    )
-    rows.append(
-        ("a name for outside physics", share(sum(bool(first_names(v)) for v in outside), len(outside)), "")
-    )
-    both = [(k, {e["name"] for e in v["effects"]} | first_names(v)) for k, v in pairs if "+" in k["label"]]
-    rows.append(
-        (
-            "both names of a pair",
-            share(sum(set(k["label"].split("+")) <= names for k, names in both), len(both)),
-            ">= 85 %",
-        )
-    )
-    right = [(k, v) for k, v in single if is_right(k["label"], v, k["encoders"])]
-    rows.append(
-        ("spurious second name", share(sum(len(v["effects"]) > 1 for _, v in right), len(right)), "<= 3 %")
-    )
-    for channel, bar in (("xy_m", "<= 1.03"), ("theta_rad", "<= 1.08")):
-        ratios = _fit_ratios(pairs, channel)
-        rows.append(
-            (
-                f"held-out after / floor, {channel}",
-                f"{median(ratios):.3f} (n {len(ratios)})" if ratios else "-",
-                bar,
-            )
-        )
-    poor = [v for k, v in pairs if k["poor"]]
-    rows.append(
-        (
-            "poor excitation: one confident name",
-            share(sum(len(first_names(v)) == 1 for v in poor), len(poor)),
-            "none",
-        )
-    )
-    named = [
-        (max((e.get("confidence") or 0.0) for e in v["effects"][:1]), is_right(k["label"], v, k["encoders"]))
-        for k, v in pairs
-        if first_names(v)
-    ]
-    if named:
-        rows.append(
-            (
-                "stated confidence, mean / share right",
-                f"{sum(c for c, _ in named) / len(named):.3f} / {sum(r for _, r in named) / len(named):.3f}",
-                "within 0.05",
-            )
-        )
-    without = load(out / "verdicts-without", key)
-    if without:
-        rows.append(
-            (
-                "leave-one-out: a confident wrong name",
-                share(sum(bool(first_names(v)) for _, v in without), len(without)),
-                "<= 8 %",
-            )
-        )
-    seconds = [v.get("seconds") or 0.0 for _, v in pairs]
-    rows.append(
-        (
-            "seconds a robot, median / max",
-            f"{median(seconds):.1f} / {max(seconds):.1f}" if seconds else "-",
-            "15 / 30",
-        )
-    )
-    lines = [
-        "| figure | measured | bar |",
-        "|---|---|---|",
-        *(f"| {a} | {b} | {c} |" for a, b, c in rows),
-        "",
-    ]
-    confusion = Counter(
-        (k["label"], v["verdict"] if not first_names(v) else v["effects"][0]["name"]) for k, v in pairs
-    )
-    lines += [
-        "## Who was called what",
-        "",
-        "| truth | said | robots |",
-        "|---|---|---|",
-        *(f"| {a} | {b} | {n} |" for (a, b), n in sorted(confusion.items())),
-    ]
-    lines += ["", "## Failures", ""]
-    lines += [
-        f"- {k['name']}: {k['label']} ({k['level']}, {k['ratio']:.2f} x floor{', encoders' if k['encoders'] else ''}): "
-        f"{v['verdict']} {[e['name'] for e in v['effects']]} rivals {[r['name'] for r in (v.get('rivals') or [])[:3]]}"
-        for k, v in single
-        if not is_right(k["label"], v, k["encoders"])
-    ]
-    lines += [
-        f"- {k['name']}: {k['label']}: {v['verdict']} {[e['name'] for e in v['effects']]}"
-        for k, v in pairs
-        if (k["label"] == "none" or ":" in k["label"]) and first_names(v)
-    ]
-    return "\n".join(lines) + "\n"
+    single = [(k, v) for k, v in pairs if is_single(k)]
+    rows = [*name_rows(single), *control_rows(pairs, single), *proof_rows(pairs), *number_rows(single)]
+    rows += [*confidence_rows(pairs)]
+    if without := load(out / "verdicts-without", key):
+        named = share_of(lambda pair: bool(first_names(pair[1])), without)
+        rows.append(("leave-one-out: a confident wrong name", named, "<= 8 %"))
+    rows += [*time_rows(pairs)]
+    lines = ["| figure | measured | bar |", "|---|---|---|", *(f"| {a} | {b} | {c} |" for a, b, c in rows)]
+    lines += ["", "## Effect by effect", "", "| effect | right name | error, median | intervals that hold |"]
+    lines += ["|---|---|---|---|", *effect_rows(single), "", "## Who was called what", ""]
+    said = lambda v: v["effects"][0]["name"] if first_names(v) else v["verdict"]  # noqa: E731
+    confusion = Counter((k["label"], said(v)) for k, v in pairs)
+    lines += ["| truth | said | robots |", "|---|---|---|"]
+    lines += [f"| {a} | {b} | {n} |" for (a, b), n in sorted(confusion.items())]
+    return "\n".join([*lines, "", "## Failures", "", *failures(pairs)]) + "\n"
