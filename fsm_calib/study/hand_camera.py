@@ -52,15 +52,7 @@ def calibrate_by_hand(
 ) -> HandCalibration:
     """Return the camera that a person's views give.
 
-    Parameters
-    ----------
-    robot : RobotSpec
-        Whose true lens takes the pictures.
-    sensor : SensorSettings
-        Exposure, noise, focus.
-    operator : OperatorSettings
-    board : BoardSpec
-    rng : numpy.random.Generator
+    The arguments are those of `HeldBoard`.
 
     Raises
     ------
