@@ -9,15 +9,16 @@ from typing import Literal
 
 import numpy as np
 
-from fsm_calib.diagnosis.adequacy import LeftOver, left_over
+from fsm_calib.diagnosis.adequacy import LeftOver, left_over, project
 from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names
+from fsm_calib.diagnosis.contest import Contest, contest
 from fsm_calib.diagnosis.crossval import held_out_gains, is_global
 from fsm_calib.diagnosis.features import feature_groups
 from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Adequacy, Gates, adequacy
 from fsm_calib.diagnosis.heldout import error_left
-from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, shown_by
+from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, hypotheses_of, shown_by, with_values
 from fsm_calib.diagnosis.locate import Location, locate
 from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.diagnosis.situation import situation
@@ -34,13 +35,22 @@ Outcome = Literal["match", "explained", "unexplained"]
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A base robot with zero, one or two effects: who, the last fit, what is left, what it wins on other recordings."""
+    """A base robot with zero, one or two effects.
+
+    effects, fit; adequacy : what is left; gains : what it wins on other recordings; tests : of all feature groups;
+    contest : how un-named forms do against the effects, None without effects.
+    """
 
     effects: tuple[Ranked, ...]
     fit: Fit
     adequacy: Adequacy
     gains: tuple[float, ...]
     tests: tuple[LeftOver, ...]
+    contest: Contest | None = None
+
+    def sound(self, gates: Gates) -> bool:
+        """Return whether no form without a name does better than the effects."""
+        return self.contest is None or self.contest.passes(gates)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +104,7 @@ class Judge:
         first = self._model((ranking[0],), ranking[0].fit, base)
         second_ranking: tuple[Ranked, ...] = ()
         model = first
-        if not first.adequacy.surprise < self.gates.curious:
+        if not (first.adequacy.surprise < self.gates.curious and first.sound(self.gates)):
             model, second_ranking = self._second(first, ranking, base)
         outcome, reason = self._judge(model, base)
         return Decision(
@@ -128,7 +138,10 @@ class Judge:
         if all(is_global(e.hypothesis) for e in effects):
             gains = tuple(held_out_gains(self.engine, base, fit))
         self.timed("cross-validation", began)
-        return Model(effects, fit, adequacy(tests, fit.score - base.score), gains, tuple(tests))
+        began = perf_counter()
+        against = contest(self.engine, base, fit, [e.name for e in effects])
+        self.timed("contest", began)
+        return Model(effects, fit, adequacy(tests, fit.score - base.score), gains, tuple(tests), against)
 
     def _second(self, first: Model, ranking: Sequence[Ranked], base: Fit) -> tuple[Model, tuple[Ranked, ...]]:
         """Look for a second effect on top of the first; keep it only where it closes the gap."""
@@ -146,6 +159,7 @@ class Judge:
         cured = both.adequacy.surprise < self.gates.surprise or (
             both.adequacy.surprise < 0.5 * first.adequacy.surprise and both.adequacy.passes(self.gates)
         )
+        cured = cured and (both.sound(self.gates) or not first.sound(self.gates))
         useful = not both.gains or not first.gains or sum(both.gains) > sum(first.gains)
         return (both if cured and useful else first), tuple(found)
 
@@ -194,6 +208,10 @@ class Judge:
                 f"the best explanation leaves structure in {left.group} (10^-{left.surprise:.0f} by chance, "
                 f"{100 * left.share:.0f} % of what it explains)"
             )
+        if model.contest is not None and not model.contest.passes(self.gates):
+            return "unexplained", model.contest.reason(
+                self.gates, " and ".join(e.name for e in model.effects)
+            )
         if model.gains and (sum(model.gains) <= 0.0 or min(model.gains) < WORST_RECORDING):
             return (
                 "unexplained",
@@ -223,9 +241,6 @@ def smallest_sizes(decision: Decision, threshold: float) -> dict[str, tuple[str,
     """Return, for a match, the size of each plain effect that would have been seen: name to (parameter, size, unit)."""
     found: dict[str, tuple[str, float, str]] = {}
     bank = decision.bank
-    from fsm_calib.diagnosis.adequacy import project
-    from fsm_calib.diagnosis.hypotheses import hypotheses_of, with_values
-
     for effect in shown_by(registry().values(), decision.engine.simulators):
         if effect.scan or effect.family == "base":
             continue

@@ -50,26 +50,26 @@ def hats(variable: FloatArray, knots: FloatArray) -> FloatArray:
 
 
 def _forward(f: FloatArray, s: Situation) -> FloatArray:
-    return _column(s, forward=f)
+    return body_columns(s, forward=f)
 
 
 def _turn(f: FloatArray, s: Situation) -> FloatArray:
-    return _column(s, turn=f / s.half)
+    return body_columns(s, turn=f / s.half)
 
 
 def _lateral(f: FloatArray, s: Situation) -> FloatArray:
-    return _column(s, lateral=f)
+    return body_columns(s, lateral=f)
 
 
 def _left(f: FloatArray, s: Situation) -> FloatArray:
-    return _column(s, forward=0.5 * f, turn=-0.5 * f / s.half)
+    return body_columns(s, forward=0.5 * f, turn=-0.5 * f / s.half)
 
 
 def _right(f: FloatArray, s: Situation) -> FloatArray:
-    return _column(s, forward=0.5 * f, turn=0.5 * f / s.half)
+    return body_columns(s, forward=0.5 * f, turn=0.5 * f / s.half)
 
 
-def _column(s: Situation, **speeds: FloatArray) -> FloatArray:
+def body_columns(s: Situation, **speeds: FloatArray) -> FloatArray:
     """Return increments (n, 5, m) of speed errors (n, m) by channel; the wheels turn with the body."""
     m = next(iter(speeds.values())).shape[1]
     out = np.zeros((len(s.dt), 5, m))

@@ -26,7 +26,8 @@ class Gates:
     take); unexplained_surprise : surprise above which recordings without a name are no match;
     curious : surprise after a first name above which a second is looked for; dominant : share of the base's error
     over the horizon below which a name stands whatever finer structure is left (real trackers and floors always
-    leave some).
+    leave some); form_instead : evidence by which forms without a name may beat the name (`contest.py`); form_beside :
+    evidence that they may add to it, or form_share of the name's own, whichever is more (equations are inexact).
     """
 
     detect: float = 10.0
@@ -39,6 +40,9 @@ class Gates:
     unexplained_surprise: float = 4.2
     curious: float = 4.5
     dominant: float = 0.25
+    form_instead: float = 4.0
+    form_beside: float = 10.0
+    form_share: float = 0.02
 
 
 DEFAULT_GATES = Gates()

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from fsm_calib.diagnosis.adequacy import LeftOver, Residual, project, residual_of, test_columns
-from fsm_calib.diagnosis.features import Group, _column, feature_groups
+from fsm_calib.diagnosis.features import Group, body_columns, feature_groups
 from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.situation import Situation
 from fsm_calib.types import FloatArray
@@ -217,9 +217,9 @@ def _state_columns(s: Situation, inside: np.ndarray) -> FloatArray:
     on = inside.astype(float)[:, None]
     return np.concatenate(
         [
-            _column(s, forward=on * np.tanh(s.v / 0.02)[:, None]),
-            _column(s, turn=on * np.tanh(s.omega * s.half / 0.02)[:, None] / s.half),
-            _column(s, lateral=on),
+            body_columns(s, forward=on * np.tanh(s.v / 0.02)[:, None]),
+            body_columns(s, turn=on * np.tanh(s.omega * s.half / 0.02)[:, None] / s.half),
+            body_columns(s, lateral=on),
         ],
         axis=2,
     )

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsm_calib.diagnosis.adequacy import Residual, project
-from fsm_calib.diagnosis.features import _column, place_centres
+from fsm_calib.diagnosis.features import body_columns, place_centres
 from fsm_calib.diagnosis.fit import Fit
 from fsm_calib.diagnosis.scan_areas import (
     Area,
@@ -209,7 +209,7 @@ def _kick_columns(s: Situation, starts: FloatArray) -> FloatArray:
         -np.maximum(s.time[:, None] - starts - PUSH_LENGTH, 0.0) / 0.1
     )
     out = np.zeros((len(s.dt), 5, 3 * len(starts)))
-    out[:, :, 0::3] = _column(s, forward=shape)
-    out[:, :, 1::3] = _column(s, lateral=shape)
-    out[:, :, 2::3] = _column(s, turn=shape / s.half)
+    out[:, :, 0::3] = body_columns(s, forward=shape)
+    out[:, :, 1::3] = body_columns(s, lateral=shape)
+    out[:, :, 2::3] = body_columns(s, turn=shape / s.half)
     return out

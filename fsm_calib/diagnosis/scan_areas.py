@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.features import _column
+from fsm_calib.diagnosis.features import body_columns
 from fsm_calib.diagnosis.situation import Situation
 from fsm_calib.types import FloatArray
 
@@ -133,14 +133,14 @@ def drag_columns(run: int, s: Situation, areas: Sequence[Area]) -> FloatArray:
             inside = area.holds(s.x - arm * np.sin(s.heading), s.y + arm * np.cos(s.heading))
             loss[side, :, i] = -inside * np.tanh((s.v - arm * s.omega) / 0.02)
     spread = np.array([area.spread for area in areas])
-    return _column(s, forward=0.5 * (loss[0] + loss[1]), turn=0.5 * spread * (loss[1] - loss[0]) / s.half)
+    return body_columns(s, forward=0.5 * (loss[0] + loss[1]), turn=0.5 * spread * (loss[1] - loss[0]) / s.half)
 
 
 def slip_columns(run: int, s: Situation, areas: Sequence[Area]) -> FloatArray:
     """Return three columns an area: lost forward acceleration, lost angular acceleration, slide to the side."""
     inside = np.column_stack([area.holds(s.x, s.y) for area in areas])
     out = np.zeros((len(s.dt), 5, 3 * len(areas)))
-    out[:, :, 0::3] = _column(s, forward=-inside * s.acceleration[:, None])
-    out[:, :, 1::3] = _column(s, turn=-inside * s.spin[:, None])
-    out[:, :, 2::3] = _column(s, lateral=-inside * (s.v * s.omega)[:, None])
+    out[:, :, 0::3] = body_columns(s, forward=-inside * s.acceleration[:, None])
+    out[:, :, 1::3] = body_columns(s, turn=-inside * s.spin[:, None])
+    out[:, :, 2::3] = body_columns(s, lateral=-inside * (s.v * s.omega)[:, None])
     return out

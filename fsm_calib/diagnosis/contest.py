@@ -1,0 +1,199 @@
+r"""Does a shape without a name do better than the named effect? The contest that a name has to win.
+
+A wrong neighbour of the truth leaves little that stands out (its own numbers and the base robot's take up the rest),
+but a free shape of the right quantity fits better than it does. So the named model is compared with un-named forms
+(`forms.py`), by evidence, at the named model's noise, everything linearised at its fit:
+
+    instead = max_k [2 (L_0 + g_k) - c_k] - [2 L_M - k_M ln N]      L_0: the effect switched off, the base re-fitted
+    beside  = max_k [2 g_k - k (ln N + 2 ln P)]                     on top of the named model
+
+L [1] log-likelihood, g_k what k forms win, chosen one by one, largest score first; N innovations, P forms. The costs:
+c_k = k ln N + 2 (k - 1) ln P; ln N a number (Schwarz, Ann. Stat. 6 (1978) 461), 2 ln P a choice among P (Chen & Chen,
+Biometrika 95 (2008) 759); the first form pays for no choice, as the names pay nothing for theirs.
+Assumes that forms act linearly, which favours the name: its own equation is simulated in full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.fit import Engine, Fit, simulate_all
+from fsm_calib.diagnosis.forms import forms
+from fsm_calib.diagnosis.gates import Gates
+from fsm_calib.diagnosis.likelihood import robust_weights
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
+
+MOST_INSTEAD = 5  # forms that may stand in for an effect
+MOST_BESIDE = 3
+SWEEPS = 3  # of reweighted least squares
+NEW = 0.02  # of a column's length that the columns before it must leave
+
+
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
+
+    explained : evidence of the name over the base robot.
+    """
+
+    instead: float
+    instead_quantities: tuple[str, ...]
+    beside: float
+    beside_quantities: tuple[str, ...]
+    explained: float
+
+    def passes(self, gates: Gates) -> bool:
+        """Return whether the name wins."""
+        return self.instead < gates.form_instead and not self._misshapen(gates)
+
+    def _misshapen(self, gates: Gates) -> bool:
+        return self.beside > max(gates.form_beside, gates.form_share * self.explained)
+
+    def reason(self, gates: Gates, name: str) -> str:
+        """Return in words why the name does not win."""
+        if self._misshapen(gates):
+            return (
+                f"{name} comes nearest but has not the right shape: what it leaves depends on "
+                f"{' and '.join(self.beside_quantities)} (evidence {self.beside:.0f})"
+            )
+        return (
+            f"{name} comes nearest, but a plain dependence on {' and '.join(self.instead_quantities)} "
+            f"does as well with fewer numbers (evidence {self.instead:.0f} more)"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """Whitened un-named columns (N, P) and the quantity that each depends on."""
+
+    columns: FloatArray
+    quantities: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """A linearised model: residual (N,), columns (N, m), and priors of the first ones: (offset, spread), 0 for none."""
+
+    residual: FloatArray
+    columns: FloatArray
+    offset: FloatArray
+    spread: FloatArray
+    nu: float
+
+    def with_column(self, column: FloatArray) -> Linear:
+        """Return the model with one more free column."""
+        return replace(
+            self,
+            columns=np.column_stack([self.columns, column]),
+            offset=np.append(self.offset, 0.0),
+            spread=np.append(self.spread, 0.0),
+        )
+
+    def solved(self) -> tuple[FloatArray, float]:
+        """Return the residual and the score (log-likelihood up to a constant, priors included) at the best numbers."""
+        scale = np.maximum(np.linalg.norm(self.columns, axis=0), 1e-12)
+        x, has_prior = self.columns / scale, self.spread > 0.0
+        weight = np.where(has_prior, 1.0 / np.where(has_prior, self.spread, 1.0) ** 2, 0.0)
+        numbers = np.zeros(x.shape[1])
+        for _ in range(SWEEPS):
+            weighted = x * robust_weights(self.residual - x @ numbers, self.nu)[:, None]
+            normal = weighted.T @ x + np.diag(weight / scale**2 + 1e-9)
+            numbers = np.linalg.solve(normal, weighted.T @ self.residual - weight * self.offset / scale)
+        left = self.residual - x @ numbers
+        off = self.offset + numbers / scale
+        return left, _log_likelihood(left, self.nu) - 0.5 * float(np.sum(weight * off * off))
+
+
+def _log_likelihood(white: FloatArray, nu: float) -> float:
+    return float(-0.5 * (nu + 1.0) * np.sum(np.log1p(white * white / (nu - 2.0))))
+
+
+def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Contest:
+    """Let un-named forms compete with `effects`, which `fit` adds to `parent`."""
+    whiteners = engine.whiteners(fit.noise)
+    columns = engine.white_columns(whiteners, fit.columns)
+    pool = _pool([(f.quantity, engine.white_columns(whiteners, f.columns)) for f in forms(engine, fit)])
+    base = len(parent.slots)
+    named = _linear(engine, fit, engine.residual(whiteners, fit.simulated), columns, len(fit.slots))
+    off = simulate_all(engine.simulators, switched_off(fit.values, effects))
+    bare = _linear(engine, fit, engine.residual(whiteners, off), columns[:, :base], base)
+    log_n, choice = float(np.log(engine.count)), 2.0 * float(np.log(len(pool.quantities)))
+    score = _log_likelihood(named.residual, named.nu) - 0.5 * _prior(named)
+    target = 2.0 * score - (len(fit.slots) - base) * log_n
+    begun, path = _climb(bare, pool, MOST_INSTEAD)
+    instead = [
+        2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
+    ]
+    _, more = _climb(named, pool, MOST_BESIDE)
+    beside = [2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(more)]
+    explained = 2.0 * (fit.score - parent.score) - (len(fit.slots) - base) * log_n
+    return Contest(*_best(instead, path, pool), *_best(beside, more, pool), explained)
+
+
+def switched_off(values: FloatArray, effects: Sequence[str]) -> FloatArray:
+    """Return a copy of `values` (R, p) with the strengths of `effects` at their null values."""
+    table, changed = parameter_table(), values.copy()
+    for name in effects:
+        effect = registry()[name]
+        for strength in effect.strengths:
+            changed[:, table.place(f"{name}.{strength}")] = effect.parameter(strength).null
+    return changed
+
+
+def _linear(engine: Engine, fit: Fit, residual: FloatArray, columns: FloatArray, count: int) -> Linear:
+    slots = fit.slots[:count]
+    now = fit.slot_values()[:count]
+    return Linear(
+        residual,
+        columns,
+        now - np.array([s.centre for s in slots]),
+        np.array([s.spread for s in slots]),
+        engine.nu,
+    )
+
+
+def _prior(model: Linear) -> float:
+    has = model.spread > 0.0
+    return float(np.sum((model.offset[has] / model.spread[has]) ** 2))
+
+
+def _pool(blocks: Sequence[tuple[str, FloatArray]]) -> Pool:
+    columns = np.hstack([block for _, block in blocks])
+    names = [name for name, block in blocks for _ in range(block.shape[1])]
+    length = np.linalg.norm(columns, axis=0)
+    keep = np.flatnonzero(length > 1e-9)
+    return Pool(columns[:, keep] / length[keep], tuple(names[i] for i in keep))
+
+
+def _climb(model: Linear, pool: Pool, most: int) -> tuple[float, list[tuple[int, float]]]:
+    """Return the score without forms, and form by form (place in the pool, score won so far)."""
+    residual, begun = model.solved()
+    span, _ = np.linalg.qr(model.columns / np.maximum(np.linalg.norm(model.columns, axis=0), 1e-12))
+    free = pool.columns - span @ (span.T @ pool.columns)
+    path: list[tuple[int, float]] = []
+    for _ in range(most):
+        length = np.linalg.norm(free, axis=0)
+        score = np.abs(free.T @ (residual * robust_weights(residual, model.nu)))
+        chosen = int(np.argmax(np.where(length > NEW, score / np.maximum(length, NEW), 0.0)))
+        if length[chosen] <= NEW:
+            break
+        model = model.with_column(pool.columns[:, chosen])
+        residual, now = model.solved()
+        unit = free[:, chosen] / length[chosen]
+        free = free - np.outer(unit, unit @ free)
+        path.append((chosen, now - begun))
+    return begun, path
+
+
+def _best(
+    evidence: Sequence[float], path: Sequence[tuple[int, float]], pool: Pool
+) -> tuple[float, tuple[str, ...]]:
+    if not path:
+        return -np.inf, ()
+    last = int(np.argmax(evidence))
+    return float(evidence[last]), tuple(dict.fromkeys(pool.quantities[i] for i, _ in path[: last + 1]))

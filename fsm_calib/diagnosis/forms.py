@@ -1,0 +1,240 @@
+"""Un-named corrections: what a speed error could depend on, in one physical quantity at a time, few numbers each.
+
+A named effect is a curve with one or two numbers. Whether it has the right shape is asked by letting shapes without a
+name compete with it (`contest.py`). Commands and forces reach the floor through the motors: their columns pass the
+base robot's lag, tau dv/dt = f - v, forward and turning each with its own time constant tau [s]; what the sensor adds
+(timing, mount) does not, and the wheels do not show it. Everything is a function of exogenous quantities
+(`situation.py`). The scales only keep the columns within a few orders of magnitude of each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from fsm_calib.diagnosis.features import body_columns, hats
+from fsm_calib.diagnosis.fit import Engine, Fit
+from fsm_calib.diagnosis.situation import Situation, situation
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.parameters import parameter_table
+
+DRY_SPEED = 0.02  # m/s: dry friction has its full size above (roll-out: creep speed)
+AT_REST = 0.01  # command below which a wheel coasts
+AGES = np.array([0.0, 0.06, 0.12, 0.25, 0.5, 1.0])  # s since a command changed
+TRAVELS = np.array([0.0, 0.01, 0.03, 0.06, 0.12, 0.25])  # m since a reversal
+SPEED_KNOTS = 7
+MINUTE = 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """Corrections that depend on one quantity: columns (n, 5, m) of increments for each recording."""
+
+    quantity: str
+    columns: tuple[FloatArray, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One recording's situation with the base robot's lags [s], full speed [m/s] and the speeds' usual size."""
+
+    s: Situation
+    lag_forward: float
+    lag_turn: float
+    full: float
+    speed: float
+    spin: float
+
+    @property
+    def rims(self) -> tuple[FloatArray, FloatArray]:
+        """Rim speeds (n, 1) [m/s] of the left and the right wheel."""
+        turn = self.s.half * self.s.omega
+        return (self.s.v - turn)[:, None], (self.s.v + turn)[:, None]
+
+    def drive(self, left: FloatArray, right: FloatArray) -> FloatArray:
+        """Return columns of wheel speed errors (n, m) [m/s] ahead of the motors' lag."""
+        forward, turn = 0.5 * (left + right), 0.5 * (right - left) / self.s.half
+        return np.asarray(self.forward(forward) + self.turn(turn))
+
+    def each(self, left: FloatArray, right: FloatArray) -> FloatArray:
+        """Return the same with numbers of its own for each wheel."""
+        none = np.zeros_like(left)
+        return np.concatenate([self.drive(left, none), self.drive(none, right)], axis=2)
+
+    def forward(self, f: FloatArray) -> FloatArray:
+        """Return columns of forward speeds that a force would bring about (n, m) [m/s]."""
+        return body_columns(self.s, forward=lagged(f, self.s.dt, self.lag_forward))
+
+    def turn(self, f: FloatArray) -> FloatArray:
+        """Return columns of turning speeds that a moment would bring about (n, m) [rad/s]."""
+        return body_columns(self.s, turn=lagged(f, self.s.dt, self.lag_turn))
+
+    def sensed(self, **speeds: FloatArray) -> FloatArray:
+        """Return columns that only the pose sensor shows."""
+        columns = body_columns(self.s, **speeds)
+        columns[:, 3:] = 0.0
+        return columns
+
+
+@njit(cache=True)
+def lagged(f, dt, tau):  # type: ignore[no-untyped-def]
+    """Return `f` (n, m) after a first-order lag tau [s], held over intervals dt (n,) [s]."""
+    out = np.empty_like(f)
+    now = np.zeros(f.shape[1])
+    for k in range(len(f)):
+        keep = np.exp(-dt[k] / tau)
+        for j in range(f.shape[1]):
+            now[j] = keep * now[j] + (1.0 - keep) * f[k, j]
+            out[k, j] = now[j]
+    return out
+
+
+def sign(speed: FloatArray) -> FloatArray:
+    """Return the sign of a speed [m/s], smooth about zero."""
+    return np.asarray(np.tanh(speed / DRY_SPEED))
+
+
+def powers(x: FloatArray, count: int) -> FloatArray:
+    """Return x, x^2, ... of `x` (n,), shape (n, count)."""
+    return np.column_stack([x ** (k + 1) for k in range(count)])
+
+
+def _bent(u: FloatArray) -> FloatArray:
+    """Return what bends a motor's line: dead zone, quadratic, cubic, and the same uneven in both directions."""
+    return np.column_stack([np.sign(u), u * np.abs(u), u**3, np.abs(u), u * u])
+
+
+def _command(f: Frame) -> FloatArray:
+    return f.drive(f.full * _bent(f.s.left), f.full * _bent(f.s.right))
+
+
+def _load(f: Frame) -> FloatArray:
+    load = f.full * (np.abs(f.s.left) + np.abs(f.s.right))
+    return f.drive((load * f.s.left)[:, None], (load * f.s.right)[:, None])
+
+
+def _other_wheel(f: Frame) -> FloatArray:
+    def from_other(own: FloatArray, other: FloatArray) -> FloatArray:
+        on = np.abs(own) > AT_REST
+        return f.full * np.column_stack([other, np.sign(other) * on, np.abs(other)])
+
+    return f.drive(from_other(f.s.left, f.s.right), from_other(f.s.right, f.s.left))
+
+
+def _time(f: Frame) -> FloatArray:
+    time = powers(f.s.time / MINUTE, 3)
+    left, right = f.full * f.s.left[:, None] * time, f.full * f.s.right[:, None] * time
+    return np.concatenate([f.drive(left[:, :2], right[:, :2]), f.each(left, right)], axis=2)
+
+
+def _work(f: Frame) -> FloatArray:
+    own = [np.cumsum(np.abs(u) * f.s.dt) / MINUTE for u in (f.s.left, f.s.right)]
+    both = powers(own[0] + own[1], 2)
+    left, right = f.full * f.s.left[:, None], f.full * f.s.right[:, None]
+    alone = f.each(own[0][:, None] * left, own[1][:, None] * right)
+    return np.concatenate([f.drive(both * left, both * right), alone], axis=2)
+
+
+def _braking(f: Frame) -> FloatArray:
+    def brakes(command: FloatArray, rim: FloatArray) -> FloatArray:
+        short = f.full * command[:, None] - rim
+        coasting = np.abs(command)[:, None] < AT_REST
+        return np.hstack([np.where(short * rim < 0.0, short, 0.0), np.where(coasting, short, 0.0)])
+
+    return f.drive(brakes(f.s.left, f.rims[0]), brakes(f.s.right, f.rims[1]))
+
+
+def _dry(f: Frame) -> FloatArray:
+    left, right = (sign(rim) for rim in f.rims)
+    body = f.forward(sign(f.s.v)[:, None])
+    turn = f.turn(sign(f.s.half * f.s.omega)[:, None] / f.s.half)
+    return np.concatenate([f.drive(left, right), f.each(left, right), body, turn], axis=2)
+
+
+def _speed(f: Frame) -> FloatArray:
+    def shape(x: FloatArray, limit: float) -> FloatArray:
+        return np.delete(hats(x, np.linspace(-limit, limit, SPEED_KNOTS)), SPEED_KNOTS // 2, axis=1)
+
+    left, right = (shape(rim[:, 0], f.speed) for rim in f.rims)
+    forward, turn = shape(f.s.v, f.speed), shape(f.s.omega, f.spin) / f.s.half
+    return np.concatenate([f.drive(left, right), f.forward(forward), f.turn(turn)], axis=2)
+
+
+def _curves(f: Frame) -> FloatArray:
+    s, rim = f.s, f.s.half * f.s.omega
+    forward = np.column_stack([s.v * np.abs(rim), sign(s.v) * np.abs(rim), rim * s.omega, rim])
+    turn = np.column_stack([rim * np.abs(s.v), sign(rim) * np.abs(s.v), s.v * rim, s.v]) / s.half
+    return np.concatenate([f.forward(forward), f.turn(turn)], axis=2)
+
+
+def _heading(f: Frame) -> FloatArray:
+    moving = np.clip((np.abs(f.s.v) + f.s.half * np.abs(f.s.omega)) / DRY_SPEED, 0.0, 1.0)[:, None]
+    angle = f.s.heading[:, None] * [1.0, 2.0]
+    waves = np.hstack([np.cos(angle), np.sin(angle)])
+    return np.concatenate([f.forward(waves * moving), f.forward(waves * sign(f.s.v)[:, None])], axis=2)
+
+
+def _lateness(f: Frame) -> FloatArray:
+    """Return what arrives late: forward and turning apart, together, and by the sensor's clock alone."""
+    late = np.hstack([np.ones((len(f.s.dt), 1)), powers(f.s.time / MINUTE, 2)])
+    forward, turn = f.s.acceleration[:, None] * late, f.s.spin[:, None] * late
+    apart = [body_columns(f.s, forward=forward), body_columns(f.s, turn=turn)]
+    together = body_columns(f.s, forward=forward, turn=turn)
+    return np.concatenate([*apart, together, f.sensed(forward=forward, turn=turn)], axis=2)
+
+
+def _after_command(f: Frame) -> FloatArray:
+    since = hats(f.s.age, AGES)
+    forward, turn = since * f.s.jump_v[:, None], since * f.s.jump_w[:, None]
+    return np.concatenate([body_columns(f.s, forward=forward), body_columns(f.s, turn=turn)], axis=2)
+
+
+def _after_reversal(f: Frame) -> FloatArray:
+    since = hats(f.s.travel, TRAVELS)
+    along, about = since * sign(f.s.v)[:, None], since * sign(f.s.half * f.s.omega)[:, None]
+    turns = [body_columns(f.s, turn=g / f.s.half) for g in (along, about)]
+    return np.concatenate([body_columns(f.s, forward=along), *turns], axis=2)
+
+
+def _mount(f: Frame) -> FloatArray:
+    s, rim = f.s, f.s.half * f.s.omega
+    sideways = np.column_stack([s.v, rim, s.v * s.omega, s.half * s.spin])
+    along = np.column_stack([rim, rim * s.omega, s.half * s.spin])
+    return np.concatenate([f.sensed(lateral=sideways), f.sensed(forward=along)], axis=2)
+
+
+RECIPES: dict[str, Callable[[Frame], FloatArray]] = {
+    "the command's size": _command,
+    "the load of both motors": _load,
+    "the other wheel's command": _other_wheel,
+    "the time": _time,
+    "the work done": _work,
+    "braking": _braking,
+    "the direction of motion": _dry,
+    "the speed": _speed,
+    "speed and turning together": _curves,
+    "the heading": _heading,
+    "how late it arrives": _lateness,
+    "the time since a command": _after_command,
+    "the way since a reversal": _after_reversal,
+    "where the sensor sits": _mount,
+}
+"""Quantity to columns; single functions may occur twice, what depends on another is projected out."""
+
+
+def forms(engine: Engine, fit: Fit) -> list[Form]:
+    """Return every un-named correction for the recordings of one robot, speeds simulated with `fit`."""
+    situations = [situation(s, v) for s, v in zip(engine.simulators, fit.values, strict=True)]
+    frames = _frames(situations, fit, engine.simulators[0].full_speed)
+    return [Form(name, tuple(recipe(f) for f in frames)) for name, recipe in RECIPES.items()]
+
+
+def _frames(situations: Sequence[Situation], fit: Fit, full: float) -> list[Frame]:
+    table, values = parameter_table(), fit.values[0]
+    forward, turn = (float(values[table.place(name)]) for name in ("tau_forward", "tau_turn"))
+    speed = max(float(np.quantile(np.abs(s.v), 0.98)) for s in situations) or 0.1
+    spin = max(float(np.quantile(np.abs(s.omega), 0.98)) for s in situations) or 0.1
+    return [Frame(s, forward, turn, full, speed, spin) for s in situations]

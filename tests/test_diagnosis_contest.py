@@ -1,0 +1,93 @@
+"""A name against shapes without a name: forms, their lag, and the contest that a name has to win."""
+
+import numpy as np
+import pytest
+from diagnosis_robots import recording
+
+from fsm_calib.diagnosis.bank import Bank, polished
+from fsm_calib.diagnosis.base import fit_base, noise_names
+from fsm_calib.diagnosis.contest import Contest, Linear, contest, switched_off
+from fsm_calib.diagnosis.fit import Engine
+from fsm_calib.diagnosis.forms import RECIPES, forms, lagged
+from fsm_calib.diagnosis.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.prepared import prepare
+from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
+
+
+def fitted(name, **changes):
+    engine = Engine(tuple(make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1)))
+    base = fit_base(engine)
+    (ranked,) = Bank.on(engine, base).rank([registry()[name]])
+    return engine, base, polished(engine, ranked, base, noise_names(engine.simulators)).fit
+
+
+@pytest.fixture(scope="module")
+def saturated():
+    return fitted("command_saturation", command_saturation__limit=0.3)
+
+
+def test_the_lag_answers_a_step_exponentially():
+    dt = np.full(40, 0.05)
+    answer = lagged(np.ones((40, 1)), dt, 0.2)[:, 0]
+    assert answer == pytest.approx(1.0 - np.exp(-np.cumsum(dt) / 0.2), abs=1e-12)
+
+
+def test_every_form_has_finite_columns_for_each_recording(saturated):
+    engine, _, fit = saturated
+    found = forms(engine, fit)
+    assert [f.quantity for f in found] == list(RECIPES)
+    for form in found:
+        assert [c.shape[0] for c in form.columns] == [len(s.prepared.time) for s in engine.simulators]
+        assert all(np.isfinite(c).all() for c in form.columns)
+
+
+def test_forms_of_the_sensor_leave_the_wheels_alone(saturated):
+    engine, _, fit = saturated
+    mount = next(f for f in forms(engine, fit) if f.quantity == "where the sensor sits")
+    assert not mount.columns[0][:, 3:].any()
+
+
+def test_a_right_name_wins(saturated):
+    engine, base, fit = saturated
+    found = contest(engine, base, fit, ["command_saturation"])
+    assert found.explained > 100.0
+    assert found.passes(DEFAULT_GATES)
+
+
+def test_a_neighbour_of_the_truth_loses():
+    engine, base, fit = fitted("motor_gain_curve", command_saturation__limit=0.3)
+    found = contest(engine, base, fit, ["motor_gain_curve"])
+    assert not found.passes(DEFAULT_GATES)
+    assert "the command's size" in found.instead_quantities + found.beside_quantities
+
+
+def test_the_reason_names_the_quantity():
+    lost = Contest(-5.0, (), 60.0, ("the heading",), 100.0)
+    assert "the heading" in lost.reason(DEFAULT_GATES, "floor_tilt")
+
+
+def test_switching_off_takes_strengths_alone(saturated):
+    _, _, fit = saturated
+    table = parameter_table()
+    off = switched_off(fit.values, ["command_saturation"])
+    changed = {table.owner[i] for i in np.flatnonzero((off != fit.values).any(axis=0))}
+    assert changed == {"command_saturation"}
+
+
+def test_the_linear_model_finds_the_least_squares_solution():
+    rng = np.random.default_rng(0)
+    columns = rng.normal(size=(500, 3)) * [1.0, 10.0, 0.1]
+    truth = np.array([0.3, -0.02, 2.0])
+    model = Linear(columns @ truth, columns, np.zeros(3), np.zeros(3), 1e6)
+    left, _ = model.solved()
+    assert np.abs(left).max() < 1e-5
+
+
+def test_a_prior_holds_a_number_that_the_data_do_not_know():
+    column = np.full((10, 1), 1e-6)
+    model = Linear(np.full(10, 1.0), column, np.array([0.2]), np.array([0.1]), 1e6)
+    _, score = model.solved()
+    without = Linear(np.full(10, 1.0), column, np.array([0.0]), np.array([0.1]), 1e6).solved()[1]
+    assert score == pytest.approx(without, abs=1e-3)
