@@ -62,11 +62,20 @@ def _options(
 
 
 @app.command()
-def validate(scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)]) -> None:
-    """Check a scenario: every error at once, each with file:line:column."""
-    from fsm_calib.scenario.load import load_scenario
+def validate(
+    scenario: Annotated[Path, typer.Argument(help="A scenario or study file.", show_default=False)],
+) -> None:
+    """Check a scenario or a study: every error at once, each with file:line:column."""
+    from fsm_calib.scenario.load import scenario_from
+    from fsm_calib.scenario.yaml_source import read_yaml
+    from fsm_calib.study.load import is_study, study_from
 
-    loaded = load_scenario(scenario)
+    document = read_yaml(scenario)
+    if is_study(document):
+        study = study_from(document)
+        typer.echo(f"{scenario}: valid ({study.name}: a study of {study.robots} robots)")
+        return
+    loaded = scenario_from(document)
     typer.echo(f"{scenario}: valid ({loaded.name}: {', '.join(loaded.plan)})")
 
 

@@ -36,13 +36,12 @@ def run(
     """Calibrate a robot as a scenario says: camera, wheels, exit, lane."""
     from fsm_calib.runner.progress import ProgressBar
     from fsm_calib.runner.run import run_scenario
-    from fsm_calib.scenario.load import load_scenario
 
     if resume is not None and out is not None and out != resume:
         raise InputError(
             "--out and --resume name two directories", where="--out", cure="Give --resume alone."
         )
-    loaded = with_seed(load_scenario(scenario), seed)
+    loaded = with_seed(read_scenario(scenario), seed)
     directory = resume or out or DEFAULT_OUT
     with ProgressBar(loaded.plan) as bar:
         finished = run_scenario(loaded, directory, resume=resume is not None, observer=bar)
@@ -50,6 +49,25 @@ def run(
     if finished.result["outcome"] != "done":
         typer.echo(reason(finished.result, scenario, directory), err=True)
         raise typer.Exit(1)
+
+
+def read_scenario(path: Path) -> Scenario:
+    """Return the scenario in a file.
+
+    Raises
+    ------
+    InputError
+        For everything that is wrong in it; a study is sent to its own command.
+    """
+    from fsm_calib.scenario.load import scenario_from
+    from fsm_calib.scenario.yaml_source import read_yaml
+    from fsm_calib.study.load import is_study
+
+    document = read_yaml(path)
+    if is_study(document):
+        cure = f"Give it to: fsm-calib study {path}."
+        raise InputError("this is a study, of many robots", where=str(path), cure=cure)
+    return scenario_from(document)
 
 
 def with_seed(scenario: Scenario, seed: int | None) -> Scenario:

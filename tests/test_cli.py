@@ -14,6 +14,7 @@ import fsm_calib
 from fsm_calib.cli import app
 
 ROOT = Path(fsm_calib.__file__).parent.parent
+SCENARIOS = ROOT / "scenarios"
 QUICK = """
 name: quick
 seed: 4
@@ -76,6 +77,19 @@ def test_validate_reports_every_error_with_its_place(quick: Path) -> None:
     assert f"{quick}:2:1: unknown setting 'sed'. Did you mean seed?" in result.stderr
     assert f"{quick}:3:8: plan[0] is 'scam'. Did you mean scan?" in result.stderr
     assert "Traceback" not in result.output
+
+
+def test_validate_accepts_a_study() -> None:
+    result = call("validate", SCENARIOS / "study.yaml")
+    assert result.exit_code == 0
+    assert "a study of 10 robots" in result.stdout
+
+
+def test_run_sends_a_study_to_its_command(tmp_path: Path) -> None:
+    result = call("run", SCENARIOS / "study.yaml", "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "fsm-calib study" in result.stderr
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_bad_scenario_writes_nothing(quick: Path, tmp_path: Path) -> None:

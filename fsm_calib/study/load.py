@@ -8,9 +8,18 @@ from pathlib import Path
 
 from fsm_calib.errors import InputError, ManyErrors
 from fsm_calib.scenario.load import checked
+from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.yaml_source import YamlDocument, read_yaml
 from fsm_calib.study.models import Study
 from fsm_calib.study.variants import scenario_of_variant, variants_of
+
+ONLY_IN_STUDIES = frozenset(Study.model_fields) - frozenset(Scenario.model_fields)
+"""Settings by which a study file is told from a scenario."""
+
+
+def is_study(document: YamlDocument) -> bool:
+    """Tell whether a file is meant as a study: it has a setting that only studies have."""
+    return isinstance(document.data, dict) and not ONLY_IN_STUDIES.isdisjoint(document.data)
 
 
 def load_study(path: str | Path) -> Study:
