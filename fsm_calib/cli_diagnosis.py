@@ -33,7 +33,12 @@ def diagnose_command(
         typer.Option(metavar="NAME", help="Leave an effect out of the catalogue; repeatable."),
     ] = None,
     world: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the improved world to this scenario file.")
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Compare with the robot of this scenario, its effects switched on. "
+            "A file that does not exist yet is written instead: the improved world.",
+        ),
     ] = None,
     json_file: Annotated[
         Path | None,
@@ -49,6 +54,7 @@ def diagnose_command(
     from fsm_calib.errors import InputError, UnknownNameError
     from fsm_calib.recording import read_recording
     from fsm_calib.report.diagnosis_progress import DiagnosisProgress
+    from fsm_calib.scenario.world import physics_of
     from fsm_calib.world2d.effects import registry
 
     for name in without or ():
@@ -59,15 +65,19 @@ def diagnose_command(
             raise InputError("the folder of the output file does not exist", where=str(path))
     if report is not None and report.exists() and not report.is_dir():
         raise InputError("the report needs a folder, this is a file", where=str(report))
+    given = world if world is not None and world.exists() else None
+    physics = physics_of(given) if given is not None else None
     train = [read_recording(path) for path in recordings]
     new = [read_recording(path) for path in holdout or ()]
     for recording in train + new:
         for finding in recording.checks:
             typer.echo(f"{recording.source}: {finding}", err=True)
     with DiagnosisProgress(len(registry())) as bar:
-        result = diagnose(train, new, without=without or (), progress=bar.part, seed=seed)
+        result = diagnose(train, new, without=without or (), world=physics, progress=bar.part, seed=seed)
     for note in result.notes:
         typer.echo(note, err=True)
+    if given is not None:
+        typer.echo(f"compared with the robot of {given}", err=True)
     plain = result.verdict.as_json()
     if str(json_file) == "-":
         typer.echo(json.dumps(plain, indent=1, allow_nan=False))
@@ -77,7 +87,7 @@ def diagnose_command(
     if world is not None or report is not None:
         from fsm_calib.report.diagnosis_world import world_text
 
-        _write(world, world_text(result))
+        _write(None if given is not None else world, world_text(result))
         if report is not None:
             from fsm_calib.report.diagnosis_report import write_report
 

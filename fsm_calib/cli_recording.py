@@ -22,6 +22,12 @@ def identify_command(
         Path | None,
         typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
     ] = None,
+    world: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Fit under the physics that this scenario's robot has (world.yaml)."
+        ),
+    ] = None,
     tag_map: Annotated[
         str | None, typer.Option("--tag-map", metavar="FILE", help="Places of tags, for bags without poses.")
     ] = None,
@@ -37,7 +43,13 @@ def identify_command(
     for recording in loaded:
         for finding in recording.checks:
             typer.echo(f"{recording.source}: {finding}", err=True)
-    result = identify(loaded)
+    if world is None:
+        result = identify(loaded)
+    else:
+        from fsm_calib.diagnosis.identify_world import identify_in_world
+        from fsm_calib.scenario.world import physics_of
+
+        result = identify_in_world(loaded, physics_of(world))
     text = json.dumps(result.to_json(), indent=1, allow_nan=False)
     if str(json_file) == "-":
         typer.echo(text)

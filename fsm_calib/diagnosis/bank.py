@@ -24,6 +24,7 @@ from fsm_calib.diagnosis.scan import Candidate, Scanner
 from fsm_calib.diagnosis.situation import situation
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import parameter_table
 
 FIRST_STEPS, LAST_STEPS = 6, 6  # Gauss-Newton steps before and after the noise is fitted again
 HOPELESS = 2.0  # log-likelihood units: below, the noise is not fitted again and a fit is given up early
@@ -109,6 +110,9 @@ class Bank:
             "motor_fault": self.scanner.spans,
             "external_push": self.scanner.pushes,
         }
+        if effect.name in parameter_table().active_effects(self.parent.values[0]):
+            start = Start(self.parent.values, 0.0)  # the parent has it: would other numbers be better?
+            return [(hypothesis, [start]) for hypothesis in hypotheses_of(effect, runs)]
         if effect.scan and effect.name in scans:
             return self._scanned(effect, scans[effect.name]())
         plans = []
@@ -144,7 +148,9 @@ class Bank:
 
     def fit(self, hypothesis: Hypothesis, start: Start) -> Ranked:
         """Fit one hypothesis from one start; the result is never worse than the parent."""
-        slots = self.parent.slots + slots_of(hypothesis, len(self.engine.simulators))
+        taken = {(slot.place, slot.run) for slot in self.parent.slots}
+        new = [s for s in slots_of(hypothesis, len(self.engine.simulators)) if (s.place, s.run) not in taken]
+        slots = (*self.parent.slots, *new)
         known = self.parent.columns
         hope = self.parent.score + HOPELESS
         noise = self.parent.noise
@@ -198,8 +204,6 @@ def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[
 
 def parameters_of(ranked: Ranked) -> dict[str, FloatArray]:
     """Return the fitted numbers of the effect by parameter name, one a recording, shape (R,)."""
-    from fsm_calib.world2d.parameters import parameter_table
-
     table = parameter_table()
     effect = registry()[ranked.name]
     return {p.name: ranked.fit.values[:, table.place(f"{ranked.name}.{p.name}")] for p in effect.parameters}

@@ -11,6 +11,7 @@ from fsm_calib.diagnosis.fit import Engine, Fit, Slot
 from fsm_calib.diagnosis.noise import Noise
 from fsm_calib.diagnosis.simulator import Simulator, nominal_values
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import NUISANCE, parameter_table
 
 SLIP_SPREAD = (
@@ -25,6 +26,7 @@ TYPICAL_LAG, LAG_SPREAD = (
 )  # s: time constants of small robots are 0.05 to 0.3 s; weak, data overrule it
 ROUNDS = 4  # fit and noise in turn; two suffice on clean data
 ENOUGH = 0.5  # log-likelihood units between rounds
+PHASES = 16  # around a turn: nearer than the width of a periodic effect's likelihood
 
 SPEED_NOISE = (2, 3, 4)
 POSE_NOISE = (0, 1, 2, 3, 4, 5, 8)
@@ -74,11 +76,52 @@ def noise_names(simulators: Sequence[Simulator]) -> tuple[int, ...]:
     return POSE_NOISE + (ENCODER_NOISE if any(s.prepared.has_encoders for s in simulators) else ())
 
 
-def fit_base(engine: Engine) -> Fit:
-    """Fit the base robot and the noise in turn, from the robot as its manifest states it."""
+def fit_base(engine: Engine, more: Sequence[str] = ()) -> Fit:
+    """Fit the base robot and the noise in turn, from the robot as its manifest states it.
+
+    more : full names of further parameters that are free. Effects of the simulators' world stay as they are; what
+    they leave to each recording (the phase of an eccentric wheel) is found for each.
+    """
     values = np.tile(nominal_values(engine.simulators), (len(engine.simulators), 1))
-    slots = base_slots(engine.simulators, values[0])
+    slots = base_slots(engine.simulators, values[0]) + tuple(map(slot_of, more))
     free = noise_names(engine.simulators)
+    own = slots_of_recordings(values)
+    if own:
+        start = engine.refit_noise(engine.fit(values, slots, Noise()), free, 8)
+        values, slots = with_phases(engine, start, own), slots + own
+    return _in_turn(engine, values, slots, free)
+
+
+def slots_of_recordings(values: FloatArray) -> tuple[Slot, ...]:
+    """Return the slots that active effects leave to each recording, `values` (R, p); strengths are not among them."""
+    table = parameter_table()
+    active = table.active_effects(values[0])
+    names = [
+        f"{name}.{p.name}"
+        for name in active
+        for p in registry()[name].parameters
+        if p.per_recording and not p.strength
+    ]
+    return tuple(slot_of(name, run) for name in names for run in range(len(values)))
+
+
+def with_phases(engine: Engine, fit: Fit, own: Sequence[Slot]) -> FloatArray:
+    """Return the parameters of `fit` (R, p) with each recording's own numbers chosen around a turn, one by one."""
+    whiteners, values = engine.whiteners(fit.noise), fit.values.copy()
+    for slot in own:
+        simulator = engine.simulators[slot.run]
+        tried = np.tile(values[slot.run], (PHASES, 1))
+        tried[:, slot.place] = np.linspace(0.0, 2.0 * np.pi, PHASES, endpoint=False)
+        alone = Engine((simulator,))
+        scores = [
+            alone.log_likelihood(whiteners[slot.run : slot.run + 1], [s]) for s in simulator.increments(tried)
+        ]
+        values[slot.run] = tried[int(np.argmax(scores))]
+    return values
+
+
+def _in_turn(engine: Engine, values: FloatArray, slots: tuple[Slot, ...], free: Sequence[int]) -> Fit:
+    """Fit parameters and noise in turn until that wins nothing."""
     noise, before = Noise(), -np.inf
     for _ in range(ROUNDS):
         fit = engine.refit_noise(engine.fit(values, slots, noise), free, 8)

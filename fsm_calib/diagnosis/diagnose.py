@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -35,6 +35,7 @@ def diagnose(
     holdouts: Sequence[Recording] = (),
     *,
     without: Iterable[str] = (),
+    world: Mapping[str, float] | None = None,
     settings: Settings = DEFAULT_SETTINGS,
     gates: Gates = DEFAULT_GATES,
     progress: Callable[[str], None] = lambda part: None,
@@ -46,6 +47,7 @@ def diagnose(
     ----------
     recordings : what is fitted; holdouts : what is only predicted.
     without : names to leave out of the catalogue.
+    world : physics that the simulation already has, values by full name (``motor_deadband.offset``); not re-fitted.
     seed : of the sign flips that give the location its significance.
 
     Raises
@@ -55,8 +57,8 @@ def diagnose(
     """
     began = perf_counter()
     taken = take_in(recordings, holdouts)
-    simulators = tuple(make_simulator(prepare(r, settings)) for r in taken.train)
-    new = tuple(make_simulator(prepare(r, settings)) for r in taken.holdout)
+    simulators = tuple(make_simulator(prepare(r, settings), world) for r in taken.train)
+    new = tuple(make_simulator(prepare(r, settings), world) for r in taken.holdout)
     read = perf_counter() - began
     decision = decide(simulators, without=without, gates=gates, progress=progress, seed=seed)
     decision.seconds["prepare"] = read

@@ -33,7 +33,7 @@ def compare(simulators: Sequence[Simulator], base: Fit, fit: Fit, *, new: bool) 
     gain = 0.0
     for run, simulator in enumerate(simulators):
         alone = Engine((simulator,))
-        values_before = base.values[:1] if new else base.values[run : run + 1]
+        values_before = on_new_recording(alone, base) if new else base.values[run : run + 1]
         values_after = on_new_recording(alone, fit) if new else fit.values[run : run + 1]
         simulated_before = simulator.increments(values_before)[0]
         simulated_after = simulator.increments(values_after)[0]

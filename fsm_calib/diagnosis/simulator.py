@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numba import njit
@@ -30,7 +30,7 @@ class Simulator:
     """One recording's commands, sample times and exogenous track, ready to be rolled out again and again.
 
     measured_input : the drive is made of measured wheel speeds, not of commands. full_speed [m/s]: rim speed of
-    command 1.
+    command 1. world: physics that the simulation has beyond the base robot, values by full name.
     """
 
     prepared: Prepared
@@ -39,6 +39,7 @@ class Simulator:
     track: FloatArray
     full_speed: float
     measured_input: bool
+    world: Mapping[str, float] = field(default_factory=dict)
 
     def increments(self, values: FloatArray) -> FloatArray:
         """Return increments (forward, left [m], turn, wheel left, right [rad]) of k parameter vectors.
@@ -133,8 +134,8 @@ def sample_increments(states, begin, step, pose_time, wheel_time, out):  # type:
         px, py, pt, pl, pr = x, y, t, left, right
 
 
-def make_simulator(prepared: Prepared) -> Simulator:
-    """Return the simulator of a recording.
+def make_simulator(prepared: Prepared, world: Mapping[str, float] | None = None) -> Simulator:
+    """Return the simulator of a recording; `world` is physics that it has beyond the base robot, by full name.
 
     Raises
     ------
@@ -145,7 +146,7 @@ def make_simulator(prepared: Prepared) -> Simulator:
     full = full_speed(recording)
     drive, measured = drive_of(recording, full)
     grid = np.arange(prepared.time[0] - LEAD_TIME, prepared.time[-1] + 2 * GRID_STEP, GRID_STEP)
-    return Simulator(prepared, drive, grid, track_of(prepared), full, measured)
+    return Simulator(prepared, drive, grid, track_of(prepared), full, measured, dict(world or {}))
 
 
 def track_of(prepared: Prepared) -> FloatArray:
@@ -187,10 +188,12 @@ def drive_of(recording: Recording, full: float) -> tuple[Drive, bool]:
 
 
 def nominal_values(simulators: Sequence[Simulator]) -> FloatArray:
-    """Return the parameter vector of the robot as its manifest states it, effects off."""
+    """Return the parameter vector of the robot as its manifest states it, with the effects that its world has."""
     table = parameter_table()
     robot = simulators[0].prepared.recording.robot
     values = table.null
+    for name, value in simulators[0].world.items():
+        values[table.place(name)] = value
     for side in ("left", "right"):
         values[table.place(f"gain_{side}")] = simulators[0].full_speed
         values[table.place(f"wheel_radius_{side}")] = robot.wheel_radius or NOMINAL_RADIUS

@@ -7,11 +7,12 @@ import re
 import yaml
 
 from fsm_calib.diagnosis.diagnose import Diagnosis
+from fsm_calib.diagnosis.fit import Fit
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
-FITTED_BASE = ("axle_length", "tau_forward", "tau_turn")
-"""What a fit finds of the base robot beside the wheels' gains, which become wheel ratio and speed."""
+GAINS = ("gain_left", "gain_right")
+"""They become wheel ratio and speed."""
 
 
 def world_text(diagnosis: Diagnosis) -> str:
@@ -20,18 +21,9 @@ def world_text(diagnosis: Diagnosis) -> str:
     Events of one recording (a push, a fault) are not part of the robot and are left out.
     """
     decision = diagnosis.decision
-    fit, table = decision.model.fit, parameter_table()
+    fit = decision.model.fit if decision.outcome == "explained" else decision.base
+    table = parameter_table()
     name = decision.engine.simulators[0].prepared.recording.robot.name
-    effects: dict[str, dict[str, float]] = {}
-    for ranked in decision.model.effects if decision.outcome == "explained" else ():
-        effect = registry()[ranked.name]
-        if effect.scan == "time":
-            continue
-        effects[ranked.name] = {
-            p.name: _rounded(fit.values[0, table.place(f"{ranked.name}.{p.name}")])
-            for p in effect.parameters
-            if fit.values[0, table.place(f"{ranked.name}.{p.name}")] != p.null
-        }
     measured = decision.engine.simulators[0].measured_input
     left, right = (fit.values[0, table.place(f"gain_{side}")] for side in ("left", "right"))
     body = {
@@ -43,8 +35,8 @@ def world_text(diagnosis: Diagnosis) -> str:
             "speed": 1.0
             if measured
             else _rounded(0.5 * (left + right) / table.null[table.place("gain_left")]),
-            "base": {name: _rounded(fit.values[0, table.place(name)]) for name in FITTED_BASE},
-            "effects": effects,
+            "base": _base_of(fit),
+            "effects": _effects_of(fit),
         },
     }
     lines = [f"# {diagnosis.verdict.verdict}: {diagnosis.verdict.reason}"]
@@ -55,6 +47,27 @@ def world_text(diagnosis: Diagnosis) -> str:
     lines.append("# the base robot as fitted:")
     lines += [f"#   {key}: {e.value:.5g} ± {e.sd:.2g} {e.unit}" for key, e in diagnosis.verdict.base.items()]
     return "\n".join(lines) + "\n" + yaml.safe_dump(body, sort_keys=False)
+
+
+def _base_of(fit: Fit) -> dict[str, float]:
+    """Return what the fit found of the base robot beside its gains."""
+    table = parameter_table()
+    places = [slot.place for slot in fit.slots if not table.owner[slot.place]]
+    return {table.names[i]: _rounded(fit.values[0, i]) for i in places if table.names[i] not in GAINS}
+
+
+def _effects_of(fit: Fit) -> dict[str, dict[str, float]]:
+    """Return the effects that the fit has, with the values that differ from nothing; events are no part of a robot."""
+    table = parameter_table()
+    found: dict[str, dict[str, float]] = {}
+    for name in table.active_effects(fit.values[0]):
+        effect = registry()[name]
+        if effect.scan == "time":
+            continue
+        values = {p.name: float(fit.values[0, table.place(f"{name}.{p.name}")]) for p in effect.parameters}
+        kept = {p.name for p in effect.parameters if values[p.name] != p.null}
+        found[name] = {key: _rounded(value) for key, value in values.items() if key in kept}
+    return found
 
 
 def _rounded(value: float) -> float:

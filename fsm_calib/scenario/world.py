@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from fsm_calib.scenario.load import load_scenario
 from fsm_calib.scenario.models import RobotSection, Scenario
 from fsm_calib.scenario.robot import robot_of
 from fsm_calib.scenario.scene import scene_of
@@ -30,3 +33,14 @@ def world_of(scenario: Scenario) -> WorldSpec:
         wear=scenario.wear.build(),
         seed=scenario.seed,
     )
+
+
+def physics_of(path: str | Path) -> dict[str, float]:
+    """Return what a scenario file's robot has beyond wheels and camera: values by full name (``floor_tilt.slope_x``).
+
+    Raises
+    ------
+    InputError
+        The file is no scenario; with ``file:line:column``.
+    """
+    return dict(robot_of(load_scenario(path)).effects)
