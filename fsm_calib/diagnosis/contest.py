@@ -51,8 +51,12 @@ class Contest:
         """Return whether the name wins."""
         return self.instead < gates.form_instead and not self._misshapen(gates)
 
+    def allowed(self, gates: Gates) -> float:
+        """Return the evidence that forms beside the name may have, since equations are inexact."""
+        return max(gates.form_beside, gates.form_share * self.explained)
+
     def _misshapen(self, gates: Gates) -> bool:
-        return self.beside > max(gates.form_beside, gates.form_share * self.explained)
+        return self.beside > self.allowed(gates)
 
     def reason(self, gates: Gates, name: str) -> str:
         """Return in words why the name does not win."""

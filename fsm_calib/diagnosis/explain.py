@@ -17,6 +17,7 @@ from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
 TEMPER = 3.0  # evidence gaps are divided by it: inexact equations make likelihoods over-confident (development seeds)
+FORM_TEMPER = 2.0  # the same for forms without a name
 GENERAL_DOUBT = 0.02  # share of names that were wrong on the development seeds for no visible reason
 MANOEUVRE_MENU = (
     "straights at three speeds both ways, spins at three rates, a slalom, "
@@ -101,18 +102,30 @@ def _named(ranked: Ranked, decision: Decision, order: int) -> NamedEffect:
     return NamedEffect(ranked.name, confidence(ranked, pool, decision), numbers, sentence(effect, numbers))
 
 
-def confidence(ranked: Ranked, pool: Sequence[Ranked], decision: Decision) -> float:
+def confidence(
+    ranked: Ranked, pool: Sequence[Ranked], decision: Decision, gates: Gates = DEFAULT_GATES
+) -> float:
     """Return the probability that the name is right.
 
-    Tempered posterior over the rivals, less what left-over structure says about the equation.
+    Tempered posterior over the rivals, nothing at all, and what has no name (`contest.py`; even odds at its gates),
+    less what left-over structure says about the equation.
     """
     top = max([r.evidence for r in pool if r.name == ranked.name], default=ranked.evidence)
     others = [0.5 * (r.evidence - top) / TEMPER for r in pool if r.name != ranked.name]
     none = -0.5 * top / TEMPER
-    share = 1.0 / (1.0 + sum(math.exp(min(x, 30.0)) for x in [*others, none]))
+    share = 1.0 / (1.0 + sum(math.exp(min(x, 30.0)) for x in [*others, none, *_unnamed(decision, gates)]))
     left = decision.model.adequacy
     doubt = GENERAL_DOUBT + 0.3 * min(left.share, 1.0) * (left.surprise > 4.0)
     return max(0.01, share * (1.0 - doubt))
+
+
+def _unnamed(decision: Decision, gates: Gates) -> list[float]:
+    """Return log odds of un-named forms, instead of the name and beside it, against the name."""
+    against = decision.model.contest
+    if against is None:
+        return []
+    margins = (against.instead - gates.form_instead, against.beside - against.allowed(gates))
+    return [0.5 * margin / FORM_TEMPER for margin in margins]
 
 
 def ambiguous_sets(decision: Decision, gates: Gates) -> tuple[tuple[str, ...], ...]:
