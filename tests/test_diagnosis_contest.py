@@ -1,15 +1,19 @@
 """A name against shapes without a name: forms, their lag, and the contest that a name has to win."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis_robots import recording
 
-from fsm_calib.diagnosis.bank import Bank, polished
+from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names
 from fsm_calib.diagnosis.contest import Contest, Linear, contest, switched_off
 from fsm_calib.diagnosis.fit import Engine
 from fsm_calib.diagnosis.forms import RECIPES, forms, lagged
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.hypotheses import Hypothesis
+from fsm_calib.diagnosis.plausible import is_plausible
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
@@ -53,19 +57,40 @@ def test_a_right_name_wins(saturated):
     engine, base, fit = saturated
     found = contest(engine, base, fit, ["command_saturation"])
     assert found.explained > 100.0
-    assert found.passes(DEFAULT_GATES)
+    assert not found.misshapen(DEFAULT_GATES)
+    assert not found.replaceable(DEFAULT_GATES)
 
 
 def test_a_neighbour_of_the_truth_loses():
     engine, base, fit = fitted("motor_gain_curve", command_saturation__limit=0.3)
     found = contest(engine, base, fit, ["motor_gain_curve"])
-    assert not found.passes(DEFAULT_GATES)
+    assert found.misshapen(DEFAULT_GATES) or found.replaceable(DEFAULT_GATES)
     assert "the command's size" in found.instead_quantities + found.beside_quantities
 
 
 def test_the_reason_names_the_quantity():
     lost = Contest(-5.0, (), 60.0, ("the heading",), 100.0)
     assert "the heading" in lost.reason(DEFAULT_GATES, "floor_tilt")
+
+
+def test_effects_of_a_place_may_leave_more():
+    everywhere = Contest(-5.0, (), 60.0, ("braking",), 1000.0)
+    at_a_place = Contest(-5.0, (), 60.0, ("braking",), 1000.0, local=True)
+    assert everywhere.misshapen(DEFAULT_GATES)
+    assert not at_a_place.misshapen(DEFAULT_GATES)
+
+
+def test_a_place_that_covers_the_floor_is_none():
+    engine, base, _ = fitted("motor_deadband", motor_deadband__offset=0.04)
+    table = parameter_table()
+    values, places = base.values.copy(), [f"rough_floor_patch.{n}" for n in ("half_x", "half_y")]
+    values[:, [table.place(n) for n in places]] = 5.0
+    wide = Ranked(Hypothesis("rough_floor_patch", ("drag",)), replace(base, values=values), 100.0, 60.0)
+    values = values.copy()
+    values[:, table.place(places[0])] = 0.1
+    narrow = replace(wide, fit=replace(base, values=values))
+    assert not is_plausible(wide, engine.simulators)
+    assert is_plausible(narrow, engine.simulators)
 
 
 def test_switching_off_takes_strengths_alone(saturated):

@@ -300,15 +300,10 @@ def _simulate(p, times, left, right, x0, n_steps, dt, every, noise):
                 moment += p.ou_moment * omt
         # centre of mass away from the axle's centre: forces act at base, motion of the base follows
         cx, cy = p.com_x, p.com_y
-        izz = inertia + m * (cx * cx + cy * cy)
-        # m (a_base + alpha x r - om^2 r) = F ; Izz alpha + m r x a_base = M
+        # m (a_base + alpha x r - om^2 r) = F ; I alpha = M - r x F about the centre of mass
         bx = force_x + m * vy * om + m * om * om * cx
         by = force_y - m * vx * om + m * om * om * cy
-        al = (
-            (moment - (cx * by - cy * bx)) / (izz - m * (cx * cx + cy * cy))
-            if (cx != 0.0 or cy != 0.0)
-            else moment / inertia
-        )
+        al = (moment - (cx * force_y - cy * force_x)) / inertia
         ax = bx / m + al * cy
         ay = by / m - al * cx
         vx += ax * dt

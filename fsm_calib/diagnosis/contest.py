@@ -38,7 +38,7 @@ NEW = 0.02  # of a column's length that the columns before it must leave
 class Contest:
     """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
 
-    explained : evidence of the name over the base robot.
+    explained : evidence of the name over the base robot; local : the effect is bound to a place or a moment.
     """
 
     instead: float
@@ -46,21 +46,25 @@ class Contest:
     beside: float
     beside_quantities: tuple[str, ...]
     explained: float
-
-    def passes(self, gates: Gates) -> bool:
-        """Return whether the name wins."""
-        return self.instead < gates.form_instead and not self._misshapen(gates)
+    local: bool = False
 
     def allowed(self, gates: Gates) -> float:
         """Return the evidence that forms beside the name may have, since equations are inexact."""
-        return max(gates.form_beside, gates.form_share * self.explained)
+        return max(
+            gates.form_beside, (gates.local_share if self.local else gates.form_share) * self.explained
+        )
 
-    def _misshapen(self, gates: Gates) -> bool:
+    def misshapen(self, gates: Gates) -> bool:
+        """Return whether forms add to the name what a right shape would not leave."""
         return self.beside > self.allowed(gates)
+
+    def replaceable(self, gates: Gates) -> bool:
+        """Return whether forms do as well without the name."""
+        return self.instead >= gates.form_instead
 
     def reason(self, gates: Gates, name: str) -> str:
         """Return in words why the name does not win."""
-        if self._misshapen(gates):
+        if self.misshapen(gates):
             return (
                 f"{name} comes nearest but has not the right shape: what it leaves depends on "
                 f"{' and '.join(self.beside_quantities)} (evidence {self.beside:.0f})"
@@ -136,7 +140,8 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
     _, more = _climb(named, pool, MOST_BESIDE)
     beside = [2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(more)]
     explained = 2.0 * (fit.score - parent.score) - (len(fit.slots) - base) * log_n
-    return Contest(*_best(instead, path, pool), *_best(beside, more, pool), explained)
+    local = any(registry()[name].scan for name in effects)
+    return Contest(*_best(instead, path, pool), *_best(beside, more, pool), explained, local)
 
 
 def switched_off(values: FloatArray, effects: Sequence[str]) -> FloatArray:

@@ -20,6 +20,7 @@ from fsm_calib.diagnosis.gates import DEFAULT_GATES, Adequacy, Gates, adequacy
 from fsm_calib.diagnosis.heldout import error_left
 from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, hypotheses_of, shown_by, with_values
 from fsm_calib.diagnosis.locate import Location, locate
+from fsm_calib.diagnosis.plausible import is_plausible
 from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.diagnosis.situation import situation
 from fsm_calib.world2d.effects import Effect, registry
@@ -48,9 +49,16 @@ class Model:
     tests: tuple[LeftOver, ...]
     contest: Contest | None = None
 
-    def sound(self, gates: Gates) -> bool:
-        """Return whether no form without a name does better than the effects."""
-        return self.contest is None or self.contest.passes(gates)
+    def sound(self, gates: Gates, *, but_shape: bool = False) -> bool:
+        """Return whether no form without a name does better than the effects (`but_shape`: may add to them)."""
+        against = self.contest
+        return against is None or not (
+            against.replaceable(gates) or (against.misshapen(gates) and not but_shape)
+        )
+
+    def complaint(self, gates: Gates) -> str:
+        """Return in words which form without a name does better."""
+        return self.contest.reason(gates, " and ".join(e.name for e in self.effects)) if self.contest else ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +107,7 @@ class Judge:
         ranking = self._polish(bank.rank(self.effects, self.progress), base)
         self.timed("catalogue", began)
         plain = Model((), base, adequacy(location.tests, 0.0), (), location.tests)
+        ranking = [r for r in ranking if is_plausible(r, self.engine.simulators)]
         if not ranking or ranking[0].evidence < self._detect():
             return self._without_name(plain, base, ranking, location, bank)
         first = self._model((ranking[0],), ranking[0].fit, base)
@@ -148,7 +157,7 @@ class Judge:
         began = perf_counter()
         bank = Bank.on(self.engine, first.fit)
         others = [e for e in self.effects if e.name != first.effects[0].name]
-        found = bank.rank(others, self.progress)
+        found = [r for r in bank.rank(others, self.progress) if is_plausible(r, self.engine.simulators)]
         self.timed("second effect", began)
         wanted = max(self.gates.second, self.gates.second_share * first.effects[0].evidence)
         if not found or found[0].evidence < wanted:
@@ -208,10 +217,8 @@ class Judge:
                 f"the best explanation leaves structure in {left.group} (10^-{left.surprise:.0f} by chance, "
                 f"{100 * left.share:.0f} % of what it explains)"
             )
-        if model.contest is not None and not model.contest.passes(self.gates):
-            return "unexplained", model.contest.reason(
-                self.gates, " and ".join(e.name for e in model.effects)
-            )
+        if not model.sound(self.gates, but_shape=dominant):
+            return "unexplained", model.complaint(self.gates)
         if model.gains and (sum(model.gains) <= 0.0 or min(model.gains) < WORST_RECORDING):
             return (
                 "unexplained",

@@ -27,7 +27,8 @@ class Gates:
     curious : surprise after a first name above which a second is looked for; dominant : share of the base's error
     over the horizon below which a name stands whatever finer structure is left (real trackers and floors always
     leave some); form_instead : evidence by which forms without a name may beat the name (`contest.py`); form_beside :
-    evidence that they may add to it, or form_share of the name's own, whichever is more (equations are inexact).
+    evidence that they may add to it, or form_share of the name's own, whichever is more (equations are inexact);
+    local_share : the same of places and moments, whose edges no equation draws exactly.
     """
 
     detect: float = 10.0
@@ -43,6 +44,7 @@ class Gates:
     form_instead: float = 4.0
     form_beside: float = 10.0
     form_share: float = 0.02
+    local_share: float = 0.1
 
 
 DEFAULT_GATES = Gates()
