@@ -21,14 +21,10 @@ import cv2
 import numpy as np
 from camera_runs import BOARD, LAYOUTS, SIZE, hand_held, scan
 
-from fsm_calib.perception.information import (
-    DEFAULT_STOP,
-    begin_scan,
-    is_enough,
-    is_worth_keeping,
-    solve_scan,
-    with_view,
-)
+from fsm_calib.actions.judging import stop_rule
+from fsm_calib.actions.settings import CameraSettings
+from fsm_calib.machines.limits import Limits
+from fsm_calib.perception.information import begin_scan, is_enough, solve_scan, weigh_view
 from fsm_calib.perception.intrinsics import calibrate
 from fsm_calib.perception.prediction import projection_difference
 from fsm_calib.perception.static_boards import calibrate_static, frames_of
@@ -41,16 +37,17 @@ WITHIN = 2.5  # the prediction's bar: true error at most this many times the pre
 
 def informed(views: list[BoardView], boards: int) -> tuple[list[BoardView], bool]:
     """Return the views that the scan would have kept by what they add, and whether its stop rule was reached."""
-    progress, kept, history = begin_scan(SIZE, boards), [], []
-    for view in views:
-        if not is_worth_keeping(view, BOARD, progress):
-            continue
-        kept.append(view)
-        progress = with_view(view, BOARD, progress)
-        if len(kept) % 5 == 0:
+    rule, limits = stop_rule(CameraSettings()), Limits()
+    progress, kept, precise = begin_scan(SIZE, boards), [], 0
+    for count, view in enumerate(views, start=1):
+        weighed = weigh_view(view, BOARD, progress, rule)
+        if weighed.is_wanted:
+            kept.append(view)
+            progress = weighed.progress
+        if count % limits.views_per_judgement == 0:
             progress = solve_scan(kept, BOARD, progress)
-            history.append(progress.predicted_px)
-            if is_enough(history, progress.views_per_board, DEFAULT_STOP):
+            precise = precise + 1 if is_enough(progress, rule) else 0
+            if precise >= limits.precise_judgements:
                 return kept, True
     return kept, False
 

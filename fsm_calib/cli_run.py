@@ -95,6 +95,8 @@ def reason(result: dict[str, Any], scenario: Path, directory: Path) -> str:
 
 def summary(result: dict[str, Any], directory: Path) -> str:
     """Return a run's figures, one a line."""
+    from fsm_calib.report.camera_words import scan_verdict
+
     lines = [f"outcome      {result['outcome']}"]
     camera, wheels, lane, seconds = (result[name] for name in ("camera", "wheels", "in_lane", "seconds"))
     if camera:
@@ -103,6 +105,8 @@ def summary(result: dict[str, Any], directory: Path) -> str:
             f"(predicted {camera['predicted_px']:.2f} px, rms {camera['rms_px']:.3f} px, "
             f"{camera['views_used']} views)"
         )
+        if camera["reached"] is False:
+            lines.append(f"             {scan_verdict(camera)}")
     if wheels:
         lines.append(
             f"wheels       k = {wheels['wheel_ratio']:.4f} (true {wheels['true_wheel_ratio']:.4f}) "

@@ -13,8 +13,8 @@ from typing import Any
 from fsm_calib.machines.limits import Limits
 
 LIMITS = Limits(
-    boards=3, start_board=1, passes=1, misses_before_lost=2, views_per_board=5, search_steps=4,
-    search_angle=2.0,
+    boards=3, start_board=1, passes=1, misses_before_lost=2, views_per_board=5, views_per_judgement=3,
+    precise_judgements=2, search_steps=4, search_angle=2.0,
     standpoints=2, focus_looks=3, seeking_steps=4, seeking_angle=3.0, turns=3, overshoots=1, recoveries=2,
     frame_retries=2, aligned_within=0.05, roughly_aligned_within=0.2, square_within=0.3, quiet_iterations=3,
     iterations=5, leaving_steps=4, following_steps=4, markers=3,

@@ -40,9 +40,12 @@ def sweep(way: str, back: str, step: int, first: int) -> Iterable[Case]:
     stale = {"steps": 3, "angle": 1.5, "misses": 1, "views": 4}
     for leaf in ("collecting", "doubting"):
         at = here + leaf
-        yield case(at, "board_seen", "has_views_left", here + "collecting", {"views": 4, "misses": 1}, {},
-                   {"views": 5, "misses": 0})
-        yield case(at, "board_seen", "!has_views_left", FAILED + "not_turning", {"views": 5})
+        yield case(at, "board_seen", "is_judgement_due", f"scan/judging/{way}", {"views": 4, "misses": 1},
+                   {"fresh_views": 3}, {"views": 5, "misses": 0})
+        yield case(at, "board_seen", "has_views_left & !is_judgement_due", here + "collecting",
+                   {"views": 4, "misses": 1}, {"fresh_views": 2}, {"views": 5, "misses": 0})
+        yield case(at, "board_seen", "!is_judgement_due & !has_views_left", FAILED + "not_turning",
+                   {"views": 5}, {"fresh_views": 3})
         yield case(at, "board_missed", "has_misses_left", here + "doubting", {"misses": 0}, {}, {"misses": 1})
         yield case(at, "board_missed", f"{passing} & !has_misses_left", here + "searching",
                    {**stale, "board": inner}, {}, {**fresh, "board": first})
@@ -67,12 +70,21 @@ def sweep(way: str, back: str, step: int, first: int) -> Iterable[Case]:
                {**fresh, "views": 1})
     yield case(at, "board_missed", f"has_search_left & {none}", at, {"steps": 2, "angle": 1.5},
                {"turned": -0.25}, {"steps": 3, "angle": 1.75})
-    yield case(at, "board_missed", f"{none} & !has_search_left", FAILED + "board_missing", {"steps": 3},
+    spent = f"{none} & !has_search_left"
+    yield case(at, "board_missed", f"is_camera_known & {spent}", "scan/solving", {"steps": 3, "cameras": 1},
                {"turned": 0.0})
+    yield case(at, "board_missed", f"{spent} & !is_camera_known", FAILED + "board_missing", {"steps": 3},
+               {"turned": 0.0})
+    at = f"scan/judging/{way}"
+    yield case(at, "views_judged", "is_camera_precise", "scan/solving", {"precise": 1}, {"precise": True})
+    yield case(at, "views_judged", "!is_camera_precise", here + "collecting", {"precise": 0},
+               {"precise": True}, {"precise": 1})
+    yield case(at, "views_judged", "!is_camera_precise", here + "collecting", {"precise": 1},
+               {"precise": False}, {"precise": 0})
     leaves = tuple(here + leaf for leaf in ("collecting", "doubting", "searching"))
     yield from losing_frames(here.rstrip("/"), *leaves)
     yield from losing_motion(here.rstrip("/"), *leaves)
-    yield from stopping(*leaves)
+    yield from stopping(*leaves, at)
 
 
 SCAN = (
@@ -89,14 +101,15 @@ SCAN = (
     *sweep("counterclockwise", "clockwise", +1, 2),
     case("scan/solving", "camera_solved", "", "between"),
     case("scan/solving", "camera_imprecise", "has_standpoints_left", "scan/moving", {"standpoints": 1}, {},
-         {"standpoints": 2}),
+         {"standpoints": 2, "cameras": 1}),
     case("scan/solving", "camera_imprecise", "!has_standpoints_left", "between", {"standpoints": 2}),
     case("scan/solving", "camera_refused", "has_standpoints_left", "scan/moving", {"standpoints": 1}, {},
          {"standpoints": 2}),
     case("scan/solving", "camera_refused", "!has_standpoints_left", FAILED + "camera_refused",
          {"standpoints": 2}),
-    case("scan/moving", "standpoint_reached", "", "scan/starting", {"changes": 2, "board": 3, "views": 2}, {},
-         {"changes": 0, "board": 2, "views": 0}),
+    case("scan/moving", "standpoint_reached", "", "scan/starting",
+         {"changes": 2, "board": 3, "views": 2, "precise": 1}, {},
+         {"changes": 0, "board": 2, "views": 0, "precise": 0}),
     *losing_frames("scan/starting"),
     *losing_motion("scan/moving"),
 )

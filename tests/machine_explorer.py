@@ -24,6 +24,8 @@ NAMES = tuple(name for name in Books().to_dict() if name not in ("ticks", "failu
 SAMPLES: dict[str, tuple[Any, ...]] = {
     "sharp": (True, False),
     "quiet": (True, False),
+    "precise": (True, False),
+    "fresh_views": (0, 9),
     "turned": (0.0, 4.0),
     "heading": (0.0, -0.1, 0.1, -1.0, 1.0),
 }
@@ -36,7 +38,8 @@ def small_limits(
     """Budgets so small that every configuration can be visited, thresholds between the samples."""
     return Limits(
         boards=boards, start_board=boards // 2, passes=passes, misses_before_lost=misses,
-        late_bound_check=late, views_per_board=budget, search_steps=budget, search_angle=3.0, standpoints=2,
+        late_bound_check=late, views_per_board=budget, views_per_judgement=1, precise_judgements=2,
+        search_steps=budget, search_angle=3.0, standpoints=2,
         focus_looks=budget, seeking_steps=budget, seeking_angle=3.0, turns=budget, overshoots=1, recoveries=2,
         frame_retries=1, aligned_within=0.05, roughly_aligned_within=0.2, square_within=0.5,
         quiet_iterations=min(budget, 3), iterations=budget + 1, leaving_steps=budget, following_steps=budget,

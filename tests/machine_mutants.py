@@ -46,8 +46,8 @@ def mutants(chart: Chart, dests: tuple[str, ...]) -> Iterator[Mutant]:
 
 
 def _elsewhere(row: Transition, dests: tuple[str, ...]) -> Iterator[str]:
-    """Two other destinations: the next one in the list of leaves, and an end."""
-    others = [dest for dest in dests if dest != row.dest]
+    """Two other destinations: one of the list of leaves, and an end; a row that stays in its leaf leads there."""
+    others = [dest for dest in dests if dest != (row.dest or row.source)]
     near = others[hash_of(row.ident) % len(others)]
     yield near
     if "aborted" not in (row.dest, near):

@@ -29,6 +29,15 @@ TABLE = [
     ("has_misses_left", {"misses": 1}, {}, False),
     ("has_views_left", {"views": 4}, {}, True),
     ("has_views_left", {"views": 5}, {}, False),
+    ("is_judgement_due", {"views": 4}, {"fresh_views": 3}, True),
+    ("is_judgement_due", {"views": 4}, {"fresh_views": 2}, False),
+    ("is_judgement_due", {"views": 5}, {"fresh_views": 3}, False),
+    ("is_judgement_due", {}, {}, False),
+    ("is_camera_precise", {"precise": 1}, {"precise": True}, True),
+    ("is_camera_precise", {"precise": 1}, {"precise": False}, False),
+    ("is_camera_precise", {"precise": 0}, {"precise": True}, False),
+    ("is_camera_known", {"cameras": 1}, {}, True),
+    ("is_camera_known", {"cameras": 0}, {}, False),
     ("has_board_clockwise", {"board": 1}, {}, True),
     ("has_board_clockwise", {"board": 0}, {}, False),
     ("has_board_counterclockwise", {"board": 1}, {}, True),
@@ -121,7 +130,7 @@ def test_as_published_the_row_has_no_end_until_it_was_passed(way: str, end: int)
 @pytest.mark.parametrize("name", sorted(ACTIONS))
 def test_bookkeeping_changes_only_numbers_that_the_books_hold(name: str) -> None:
     books = Books(plan=["scan", "lane"], phase="focus", board=5, misses=3, angle=0.5)
-    ACTIONS[name](books, LIMITS, {"quiet": True, "turned": 0.25})
+    ACTIONS[name](books, LIMITS, {"quiet": True, "precise": True, "turned": 0.25})
     assert {key: type(value) for key, value in books.to_dict().items()} == {
         key: type(value) for key, value in Books().to_dict().items()
     }

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from fsm_calib.actions.aligning import measure_marker, turn_clockwise, turn_counterclockwise, turn_to_marker
 from fsm_calib.actions.bench import Bench, KeptFrame
 from fsm_calib.actions.focusing import measure_sharpness
+from fsm_calib.actions.judging import judge_views
 from fsm_calib.actions.lane_driving import follow_lane, seek_lane
 from fsm_calib.actions.leaving import drive_off, hand_over
 from fsm_calib.actions.notebook import Notebook
@@ -39,6 +40,7 @@ ACTIVITIES: dict[str, Callable[[Bench], Outcome]] = {
         step_counterclockwise,
         search_clockwise,
         search_counterclockwise,
+        judge_views,
         solve_camera,
         move_to_standpoint,
         turn_to_marker,

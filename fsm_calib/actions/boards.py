@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.judging import offer_view
 from fsm_calib.actions.moving import CLOCKWISE
 from fsm_calib.perception.chessboard import find_boards
 from fsm_calib.perception.fleet_camera import fleet_camera
@@ -45,10 +47,12 @@ def azimuth_of(view: BoardView) -> float:
     return -math.atan2(float(ray[0]), 1.0)
 
 
-def keep_view(bench: Bench, sighting: Sighting, board: int, frame: Frame) -> None:
-    """Keep the view under the board's number and follow this board from now on."""
-    bench.notebook.views.append(replace(sighting.view, board=board, source=f"frame {frame.index}"))
+def keep_view(bench: Bench, sighting: Sighting, board: int, frame: Frame) -> dict[str, Any]:
+    """Offer the view under the board's number, follow this board from now on, and return what became of the
+    view.
+    """
     bench.notebook.board_azimuth = sighting.azimuth
+    return offer_view(bench, replace(sighting.view, board=board, source=f"frame {frame.index}"))
 
 
 def followed(bench: Bench, found: tuple[Sighting, ...], turned: float) -> Sighting | None:

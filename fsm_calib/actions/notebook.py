@@ -5,7 +5,6 @@ Frozen records for single results; the notebook itself is mutable and belongs to
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import lru_cache
@@ -14,6 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsm_calib.actions.notebook_state import (
+    camera_from,
+    camera_state,
+    pack,
+    progress_from,
+    progress_state,
+    unpack,
+    view_from,
+    view_state,
+)
+from fsm_calib.perception.information import ScanProgress
 from fsm_calib.types import BoardView, CameraModel, CameraMount, Pose2, TagObservation
 
 
@@ -54,7 +64,11 @@ class WheelRun:
 
 @dataclass(frozen=True, slots=True)
 class CameraFigures:
-    """The figures of the camera calibration for the report [px]; None where a figure does not apply."""
+    """The figures of the camera calibration for the report [px]; None where a figure does not apply.
+
+    target_px : predicted error that was asked for; weakest : the part of the image that is known least; advice : what
+    to do about it where the target was not reached, empty where it was.
+    """
 
     rms_px: float
     mean_px: float
@@ -64,6 +78,16 @@ class CameraFigures:
     views_used: int
     views_per_board: dict[str, int] = field(default_factory=dict)
     reason: str = ""
+    target_px: float | None = None
+    weakest: str = ""
+    advice: str = ""
+
+    @property
+    def is_reached(self) -> bool | None:
+        """Whether the predicted error is what was asked for; None where nothing was."""
+        if self.target_px is None or self.predicted_px is None:
+            return None
+        return self.predicted_px <= self.target_px
 
 
 @dataclass(slots=True)
@@ -74,6 +98,10 @@ class Notebook:
     ----------
     views : list of BoardView
         Every view of a chessboard, in order.
+    progress : ScanProgress or None
+        What the scan knows of the camera from them; None before the first, and where views are not weighed.
+    fresh_views, views_refused : int
+        Views since the last judgement, kept or not, and views that added too little.
     image_size : tuple
         (width, height) of the frames [px].
     camera, figures, mount
@@ -132,6 +160,9 @@ class Notebook:
     """
 
     views: list[BoardView] = field(default_factory=list)
+    progress: ScanProgress | None = None
+    fresh_views: int = 0
+    views_refused: int = 0
     image_size: tuple[int, int] = (640, 480)
     camera: CameraModel | None = None
     figures: CameraFigures | None = None
@@ -176,9 +207,10 @@ class Notebook:
         for name in ("runs", "lane_runs", "readings", "lane_readings"):
             state[name] = [_record(item) for item in state[name]]
         state["marker_map"] = {str(number): [p.x, p.y, p.theta] for number, p in self.marker_map.items()}
-        state["views"] = [_view_state(view) for view in self.views]
-        state["camera"] = _camera_state(self.camera)
-        state["panorama"] = _pack(self.panorama)
+        state["views"] = [view_state(view) for view in self.views]
+        state["progress"] = progress_state(self.progress)
+        state["camera"] = camera_state(self.camera)
+        state["panorama"] = pack(self.panorama)
         return state
 
     @classmethod
@@ -186,8 +218,9 @@ class Notebook:
         """Return the notebook that `to_state` wrote."""
         values = dict(state)
         values["image_size"] = tuple(values["image_size"])
-        values["views"] = [BoardView(_unpack(v["corners"]), v["board"], v["source"]) for v in values["views"]]
-        values["camera"] = _camera_from(values["camera"])
+        values["views"] = [view_from(view) for view in values["views"]]
+        values["progress"] = progress_from(values["progress"])
+        values["camera"] = camera_from(values["camera"])
         values["figures"] = CameraFigures(**values["figures"]) if values["figures"] else None
         values["mount"] = CameraMount(**values["mount"])
         values["last_step"] = Pose2(**values["last_step"])
@@ -198,7 +231,7 @@ class Notebook:
             values[name] = [MarkerReading.from_dict(item) for item in values[name]]
         values["marker_map"] = {int(number): Pose2(*pose) for number, pose in values["marker_map"].items()}
         values["reading"] = MarkerReading.from_dict(values["reading"]) if values["reading"] else None
-        values["panorama"] = _unpack(values["panorama"])
+        values["panorama"] = unpack(values["panorama"])
         return cls(**values)
 
 
@@ -206,44 +239,3 @@ class Notebook:
 def _record(item: WheelRun | MarkerReading | CameraMount | Pose2) -> dict[str, Any]:
     """Return a frozen record as plain values; kept, because a checkpoint after every event asks again."""
     return asdict(item)
-
-
-@lru_cache(maxsize=1024)
-def _view_state(view: BoardView) -> dict[str, Any]:
-    """Return a view as plain values; kept like `_record`'s."""
-    return {"corners": _pack(view.corners_image), "board": view.board, "source": view.source}
-
-
-def _camera_state(camera: CameraModel | None) -> dict[str, Any] | None:
-    if camera is None:
-        return None
-    return {
-        "matrix": camera.matrix.tolist(),
-        "distortion": camera.distortion.tolist(),
-        "width": camera.width,
-        "height": camera.height,
-        "model": camera.model,
-    }
-
-
-def _camera_from(state: Mapping[str, Any] | None) -> CameraModel | None:
-    if state is None:
-        return None
-    matrix, distortion = np.array(state["matrix"]), np.array(state["distortion"])
-    return CameraModel(matrix, distortion, state["width"], state["height"], state["model"])
-
-
-def _pack(array: NDArray | None) -> dict[str, Any] | None:
-    """Return an array as text: exact, and a hundred times faster to write than numbers."""
-    if array is None:
-        return None
-    text = base64.b64encode(np.ascontiguousarray(array).tobytes()).decode("ascii")
-    return {"dtype": array.dtype.str, "shape": list(array.shape), "data": text}
-
-
-def _unpack(state: Mapping[str, Any] | None) -> Any:
-    """Return the array that `_pack` wrote."""
-    if state is None:
-        return None
-    content = base64.b64decode(state["data"])
-    return np.frombuffer(content, dtype=state["dtype"]).reshape(state["shape"]).copy()

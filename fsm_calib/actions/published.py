@@ -13,6 +13,7 @@ from fsm_calib.errors import UnknownNameError
 PUBLISHED: dict[str, dict[str, dict[str, Any]]] = {
     "equation_3": {"ratio": {"equation": "published", "combine": False}},
     "quiet_threshold": {"ratio": {"quiet_correction": 0.05, "combine": False}},
+    "sweep_count": {"camera": {"smallest_gain": 0.0}},
     "camera_yaw": {"marker": {"heading": "camera"}},
     "last_marker": {"marker": {"nearest": "last", "frames": 1}},
 }

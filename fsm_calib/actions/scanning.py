@@ -4,6 +4,9 @@ one.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.boards import (
     Sighting,
@@ -30,8 +33,8 @@ def look_for_board(bench: Bench) -> Outcome:
     if not found:
         return _missed(0.0)
     nearest = min(found, key=lambda sighting: abs(sighting.azimuth))
-    keep_view(bench, nearest, _board(bench), frame)
-    return _seen(bench, nearest, 0.0)
+    kept = keep_view(bench, nearest, _board(bench), frame)
+    return _seen(bench, nearest, 0.0, kept)
 
 
 def step_clockwise(bench: Bench) -> Outcome:
@@ -58,10 +61,12 @@ def _board(bench: Bench) -> int:
     return int(bench.briefing.get("board", 0))
 
 
-def _seen(bench: Bench, sighting: Sighting, turned: float) -> Outcome:
-    views = len(bench.notebook.views)
+def _seen(bench: Bench, sighting: Sighting, turned: float, kept: Mapping[str, Any]) -> Outcome:
+    views, fresh = len(bench.notebook.views), bench.notebook.fresh_views
     evidence = {"azimuth": round(sighting.azimuth, 4), "views": views, "turned": round(turned, 5)}
-    return Outcome("board_seen", evidence, f"The board is in sight; {views} views are kept.")
+    refused = f", this one not: it {kept['refused']}" if "refused" in kept else ""
+    sentence = f"The board is in sight; {views} views are kept{refused}."
+    return Outcome("board_seen", {**evidence, "fresh_views": fresh, **kept}, sentence)
 
 
 def _missed(turned: float) -> Outcome:
@@ -80,9 +85,9 @@ def _step(bench: Bench, way: str) -> Outcome:
     found = sightings(bench, step.frame)
     same = followed(bench, found, step.turned)
     if same is not None:
-        keep_view(bench, same, _board(bench), step.frame)
+        kept = keep_view(bench, same, _board(bench), step.frame)
         bench.notebook.followed_way = way
-        return _seen(bench, same, step.turned)
+        return _seen(bench, same, step.turned, kept)
     next_one = beyond(bench, found, way, step.turned)
     if next_one is not None:
         return _next(bench, next_one, way, step)
@@ -92,12 +97,12 @@ def _step(bench: Bench, way: str) -> Outcome:
 
 def _next(bench: Bench, sighting: Sighting, way: str, step: Step) -> Outcome:
     """Follow the next board; beyond the row's end it is none of the declared ones, and no view is kept."""
-    board = _board(bench) + (-1 if way == CLOCKWISE else 1)
+    board, kept = _board(bench) + (-1 if way == CLOCKWISE else 1), {}
     if 0 <= board < int(bench.briefing.get("boards", board + 1)):
-        keep_view(bench, sighting, board, step.frame)
+        kept = keep_view(bench, sighting, board, step.frame)
     bench.notebook.followed_way = way
     sentence = "The board followed so far left the picture; the next one is in it."
-    return Outcome("next_board_seen", turned_evidence(step), sentence)
+    return Outcome("next_board_seen", {**turned_evidence(step), **kept}, sentence)
 
 
 def _search(bench: Bench, way: str) -> Outcome:
@@ -110,9 +115,9 @@ def _search(bench: Bench, way: str) -> Outcome:
     if sought is None:
         _carry(bench, step.turned)
         return _missed(step.turned)
-    keep_view(bench, sought, _board(bench), step.frame)
+    kept = keep_view(bench, sought, _board(bench), step.frame)
     bench.notebook.followed_way = way
-    return _seen(bench, sought, step.turned)
+    return _seen(bench, sought, step.turned, kept)
 
 
 def _carry(bench: Bench, turned: float) -> None:

@@ -120,7 +120,14 @@ class CameraSettings:
     skip_focus : bool
         The operator skips the focus step.
     target_px : float
-        Predicted projection error below which the camera is solved [px].
+        Predicted projection error over the image at which the scan has seen enough and the camera is solved [px].
+        What each value gives: docs/camera.md.
+    smallest_gain : float
+        A view is kept when it lowers the predicted error by at least this share [1], or its board has too few
+        views; 0, as published, keeps every view.
+    least_views_per_board, least_views : int
+        Views of every board, and of all boards together, before the scan may end; Zhang's method needs three
+        views, and the predicted error tells the truth from six on (docs/camera.md).
     standpoint_move : float
         Way to the next standpoint, backwards [m].
     """
@@ -128,7 +135,10 @@ class CameraSettings:
     sharp_share: float = 0.9
     least_sharpness: float = 0.08
     skip_focus: bool = False
-    target_px: float = 0.5
+    target_px: float = 0.2
+    smallest_gain: float = 0.001
+    least_views_per_board: int = 8
+    least_views: int = 15
     standpoint_move: float = 0.12
 
 

@@ -1,4 +1,4 @@
-"""Solve the camera from the views kept so far, and go to a second standpoint when they do not suffice."""
+"""Solve the camera from the views kept so far, and go to another standpoint when they do not suffice."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from collections import Counter
 from dataclasses import replace
 
 from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.judging import stop_rule
 from fsm_calib.actions.moving import drive
 from fsm_calib.actions.notebook import CameraFigures
 from fsm_calib.errors import DataError
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.calibration import CameraCalibration
-from fsm_calib.perception.information import DEFAULT_STOP, advice
+from fsm_calib.perception.information import advice, weakest_region
 from fsm_calib.perception.static_boards import StaticResult, calibrate_scan
 
 
@@ -26,17 +27,20 @@ def solve_camera(bench: Bench) -> Outcome:
     result = scan.calibration
     if result.refused:
         return _refused(result.reason, "Lean a board or lay one on the floor, and check the lens.")
-    _keep(bench, result)
+    rule = stop_rule(bench.settings.camera)
+    is_reached = result.predicted_px <= rule.predicted_px
+    cure = "" if is_reached else advice(result.predicted_map, rule)
+    _keep(bench, result, cure)
     _keep_mount(bench, scan)
-    evidence = {"predicted_px": result.predicted_px, "rms_px": result.rms_px, "views": result.views_used}
-    asked = bench.settings.camera.target_px
-    sentence = (
-        f"{result.views_used} views: {result.predicted_px:.2f} px predicted error, {asked:.2f} px asked for."
-    )
-    if result.predicted_px <= asked:
-        return Outcome("camera_solved", evidence, sentence)
-    cure = advice(result.predicted_map, replace(DEFAULT_STOP, predicted_px=asked))
-    return Outcome("camera_imprecise", evidence, sentence, cure)
+    evidence = {
+        "predicted_px": result.predicted_px,
+        "rms_px": result.rms_px,
+        "views": result.views_used,
+        "views_refused": notebook.views_refused,
+    }
+    asked = f"{rule.predicted_px:.2f} px asked for" + ("" if is_reached else ": not reached")
+    sentence = f"{result.views_used} views: {result.predicted_px:.2f} px predicted error, {asked}."
+    return Outcome("camera_solved" if is_reached else "camera_imprecise", evidence, sentence, cure)
 
 
 def move_to_standpoint(bench: Bench) -> Outcome:
@@ -48,7 +52,7 @@ def move_to_standpoint(bench: Bench) -> Outcome:
     return Outcome("standpoint_reached", sentence="The robot stands at another place.")
 
 
-def _keep(bench: Bench, result: CameraCalibration) -> None:
+def _keep(bench: Bench, result: CameraCalibration, cure: str) -> None:
     notebook = bench.notebook
     notebook.camera = result.camera
     validated = result.cross_validated_px
@@ -62,6 +66,9 @@ def _keep(bench: Bench, result: CameraCalibration) -> None:
         views_used=result.views_used,
         views_per_board={str(board): count[board] for board in sorted(count)},
         reason=result.reason,
+        target_px=bench.settings.camera.target_px,
+        weakest=weakest_region(result.predicted_map),
+        advice=cure,
     )
 
 

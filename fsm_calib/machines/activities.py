@@ -60,8 +60,12 @@ MOTION = (
         "robot_blocked", "Both wheels are commanded and turn, but the robot does not move on: an obstacle."
     ),
 )
+FRESH = "fresh_views: views since the last judgement, kept or not"
+PRECISE = "precise: bool, the predicted error is within its threshold, from enough views of every board"
 _BOARD_SEEN = Returned(
-    "board_seen", "The board is in the frame; its view is kept under the briefing's board."
+    "board_seen",
+    "The board is in the frame; its view is kept under the briefing's board, if it adds enough.",
+    (FRESH,),
 )
 _BOARD_MISSED = Returned("board_missed", "No board is in the frame.", (TURNED,))
 _NEXT_BOARD = Returned(
@@ -113,6 +117,11 @@ ACTIVITIES = (
             (_BOARD_SEEN, _BOARD_MISSED, *CAMERA, *MOTION),
         )
         for way in ("clockwise", "counterclockwise")
+    ),
+    Activity(
+        "judge_views",
+        "Solve the camera from the views kept so far and predict its error over the image; nothing moves.",
+        (Returned("views_judged", "The predicted error is known.", (PRECISE,)),),
     ),
     Activity(
         "solve_camera",

@@ -43,6 +43,11 @@ def count_view(books: Books, limits: Limits, evidence: Evidence) -> None:
     books.misses = 0
 
 
+def count_judgement(books: Books, limits: Limits, evidence: Evidence) -> None:
+    """One more judgement of the camera; precise ones are counted in a row."""
+    books.precise = books.precise + 1 if evidence["precise"] else 0
+
+
 def count_miss(books: Books, limits: Limits, evidence: Evidence) -> None:
     """One more miss in a row."""
     books.misses += 1
@@ -96,9 +101,14 @@ def count_standpoint(books: Books, limits: Limits, evidence: Evidence) -> None:
     books.standpoints += 1
 
 
+def count_camera(books: Books, limits: Limits, evidence: Evidence) -> None:
+    """One more standpoint whose views gave a camera, if not one as precise as wanted."""
+    books.cameras += 1
+
+
 def begin_sweep(books: Books, limits: Limits, evidence: Evidence) -> None:
-    """At a new standpoint the sweeps begin anew, at a board of the row."""
-    books.changes = 0
+    """At a new standpoint the sweeps and the judgements begin anew, at a board of the row."""
+    books.changes, books.precise = 0, 0
     begin_search(books, limits, evidence)
     books.board = min(max(books.board, 0), limits.boards - 1)
 

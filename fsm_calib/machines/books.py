@@ -27,12 +27,14 @@ class Books:
         Misses in a row.
     views : int
         Steps that saw the present board in this sweep.
+    precise : int
+        Judgements in a row that found the camera precise.
     steps, angle : int, float
         Steps and angle [rad] of the present search.
     turns, overshoots : int
         Turning steps and changes of direction of the present alignment.
-    standpoints : int
-        Standpoints used.
+    standpoints, cameras : int
+        Standpoints used, and those whose views gave a camera that was not precise enough.
     looks, iterations, quiet, leaving, following, markers, recoveries, lost_frames : int
         Events of their kind in this phase; `quiet` and `lost_frames` in a row.
     ticks : int
@@ -47,11 +49,13 @@ class Books:
     changes: int = 0
     misses: int = 0
     views: int = 0
+    precise: int = 0
     steps: int = 0
     angle: float = 0.0
     turns: int = 0
     overshoots: int = 0
     standpoints: int = 1
+    cameras: int = 0
     looks: int = 0
     iterations: int = 0
     quiet: int = 0

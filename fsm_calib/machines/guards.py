@@ -37,6 +37,24 @@ def has_views_left(books: Books, limits: Limits, evidence: Evidence) -> bool:
     return books.views < limits.views_per_board
 
 
+def is_judgement_due(books: Books, limits: Limits, evidence: Evidence) -> bool:
+    """Whether so many views were taken since the last judgement that the camera is judged anew (never as
+    published).
+    """
+    is_due = 0 < limits.views_per_judgement <= evidence.get("fresh_views", 0)
+    return is_due and has_views_left(books, limits, evidence)
+
+
+def is_camera_precise(books: Books, limits: Limits, evidence: Evidence) -> bool:
+    """Whether this judgement completes the required number of precise ones in a row."""
+    return bool(evidence["precise"]) and books.precise + 1 >= limits.precise_judgements
+
+
+def is_camera_known(books: Books, limits: Limits, evidence: Evidence) -> bool:
+    """Whether the camera was solved from an earlier standpoint, if not as precisely as wanted."""
+    return books.cameras > 0
+
+
 def has_board_clockwise(books: Books, limits: Limits, evidence: Evidence) -> bool:
     """Whether the row has a board clockwise of the present one."""
     return books.board > 0

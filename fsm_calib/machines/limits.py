@@ -27,7 +27,12 @@ class Limits:
         As published: the end of the row is noticed one cycle after it was passed, and one more step follows
         the last change of direction.
     views_per_board : int
-        Views of one board in one sweep before the machine concludes that the robot does not turn.
+        Steps with one board in sight in one sweep before the machine concludes that the robot does not turn.
+    views_per_judgement : int
+        Views, kept or not, after which the camera is solved and judged; one solve of 60 views takes 40 ms. 0, as
+        published: never, the sweeps alone end the scan.
+    precise_judgements : int
+        Judgements in a row that must find the camera precise; the second one guards against a lucky solve.
     search_steps, search_angle : int, float
         Budget of one search for a board: steps, and angle turned [rad] as far as the activity can tell. A
         board of a semicircle comes into a 100 degree picture after at most 180 - 100 degrees; half a turn
@@ -74,6 +79,8 @@ class Limits:
     misses_before_lost: int = 3
     late_bound_check: bool = False
     views_per_board: int = 80
+    views_per_judgement: int = 5
+    precise_judgements: int = 2
     search_steps: int = 80
     search_angle: float = math.pi
     standpoints: int = 2
@@ -97,7 +104,7 @@ class Limits:
         """Refuse budgets that no run could keep."""
         for item in fields(self):
             value = getattr(self, item.name)
-            least = 0 if item.name in ("start_board", "frame_retries", "recoveries", "overshoots") else 1
+            least = 0 if item.name in _MAY_BE_ZERO else 1
             if isinstance(value, bool):
                 continue
             if not math.isfinite(value) or (value < least if isinstance(value, int) else value <= 0.0):
@@ -110,9 +117,12 @@ class Limits:
             )
 
 
+_MAY_BE_ZERO = ("start_board", "views_per_judgement", "frame_retries", "recoveries", "overshoots")
+
 PUBLISHED: dict[str, dict[str, object]] = {
     "single_miss_flip": {"misses_before_lost": 1},
     "late_bound_check": {"late_bound_check": True},
+    "sweep_count": {"views_per_judgement": 0, "standpoints": 1},
     "camera_yaw_threshold": {"aligned_within": 0.15},
 }
 """The published behaviours that are limits, by name; each lists the limits it changes (docs/machines.md)."""

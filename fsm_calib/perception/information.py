@@ -6,10 +6,9 @@ over views, so the predicted error over the image after one more view costs one 
     predicted^2 = s^2 trace(A (S + S_v)^-1 A') / grid points
 
 with s the noise of a corner coordinate [px] and A from `prediction`; what corners repeat in every view
-(`systematic`) is added to it at every solve and does not shrink. The stop rule (0.5 px twice in a row,
-every board seen in 8 views, 15 views in all) left a true error of 0.28 px in the median and 0.71 px at worst
-over 120 simulated scans. Sources: Peng and Sturm, Calibration Wizard, ICCV 2019 (next best view by
-covariance); mrcal (uncertainty).
+(`systematic`) is added to it at every solve and does not shrink. What each threshold of the stop rule gives
+on robots is measured in docs/camera.md. Sources: Peng and Sturm, Calibration Wizard, ICCV 2019 (next best view
+by covariance); mrcal (uncertainty).
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ import numpy as np
 from fsm_calib.perception.bundle import BundleSettings, Prior, fit, normal_equations
 from fsm_calib.perception.fleet_camera import FLEET_DEVIATION, fleet_start
 from fsm_calib.perception.free_boards import BoardPoses, FreeBoards, start_poses
-from fsm_calib.perception.lens import camera_model, intrinsics_vector
+from fsm_calib.perception.lens import camera_model, intrinsics_vector, is_sane_over_image
 from fsm_calib.perception.prediction import GRID, ImageError, predicted_error, sensitivity
 from fsm_calib.perception.stages import held_intrinsics
 from fsm_calib.perception.systematic import systematic_covariance
@@ -42,18 +41,16 @@ class StopRule:
     ----------
     predicted_px : float
         Largest predicted error over the image [px].
-    times_in_a_row : int
-        Evaluations in a row that must reach it.
     views_per_board : int
         Fewest views of every board.
     views : int
         Fewest views in all.
     smallest_gain : float
-        A view is accepted when it lowers the predicted error by this share [1] (or its board lacks views).
+        A view is accepted when it lowers the predicted error by this share [1] (or its board lacks views);
+        0 accepts every view.
     """
 
     predicted_px: float = 0.5
-    times_in_a_row: int = 2
     views_per_board: int = 8
     views: int = 15
     smallest_gain: float = 0.005
@@ -98,7 +95,7 @@ def solve_scan(
     views: Sequence[BoardView], board: BoardSpec, progress: ScanProgress, *, boards: int | None = None
 ) -> ScanProgress:
     """Return the progress after a solve with all `views`, started from the last camera: about 40 ms for
-    60 views.
+    60 views. A solve that ends at a lens which folds inside the image says nothing: the progress then stays.
     """
     image_size = (progress.camera.width, progress.camera.height)
     count = len(progress.views_per_board) if boards is None else boards
@@ -111,6 +108,8 @@ def solve_scan(
     prior = _prior(fleet_start(image_size), image_size)
     kept = np.ones(corners.shape[:2])
     solution = fit(problem, start, held_intrinsics(4), kept, _SCAN_FIT, prior)
+    if not is_sane_over_image(solution.state.intrinsics, image_size):
+        return replace(progress, views=len(views), views_per_board=per_board)
     weights = np.repeat(solution.weights, 2, axis=1)
     freedom = max(weights.size - 6 * len(views) - _FREE.size, 1)
     noise = float(np.sqrt(np.sum(weights * solution.residual**2) / freedom))
@@ -118,6 +117,19 @@ def solve_scan(
     repeated = systematic_covariance(solution, np.array([view.board for view in views]), held_intrinsics(4))
     known = _Known(solution.state.intrinsics, solution.normal.information, noise, repeated)
     return _progress(known, image_size, per_board, rms)
+
+
+def rebuild_scan(
+    camera: CameraModel,
+    information: FloatArray,
+    noise_px: float,
+    repeated: FloatArray,
+    views_per_board: tuple[int, ...],
+    rms_px: float,
+) -> ScanProgress:
+    """Return the progress with these fields of `ScanProgress`; the others follow from them."""
+    known = _Known(intrinsics_vector(camera), information, noise_px, repeated)
+    return _progress(known, (camera.width, camera.height), views_per_board, rms_px)
 
 
 def view_information(view: BoardView, board: BoardSpec, camera: CameraModel) -> FloatArray:
@@ -128,36 +140,38 @@ def view_information(view: BoardView, board: BoardSpec, camera: CameraModel) -> 
     return normal_equations(problem.linearize(pose), np.ones(corners.shape[:2])).information
 
 
-def view_gain(view: BoardView, board: BoardSpec, progress: ScanProgress) -> float:
-    """Return by which share [1] the view would lower the predicted error, in [0, 1)."""
-    after = _after(view, board, progress).predicted((progress.camera.width, progress.camera.height))
-    return max(0.0, 1.0 - after.rms / max(progress.predicted_px, 1e-12))
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """A view that was weighed.
+
+    progress : ScanProgress, what is known with it; gain : by which share it lowers the predicted error [1], in [0, 1);
+    is_wanted : whether to keep it.
+    """
+
+    progress: ScanProgress
+    gain: float
+    is_wanted: bool
 
 
-def with_view(view: BoardView, board: BoardSpec, progress: ScanProgress) -> ScanProgress:
-    """Return the progress with one more view, without solving again."""
-    per_board = list(progress.views_per_board) + [0] * (view.board + 1 - len(progress.views_per_board))
-    per_board[view.board] += 1
-    size = (progress.camera.width, progress.camera.height)
-    return _progress(_after(view, board, progress), size, tuple(per_board), progress.rms_px)
-
-
-def is_worth_keeping(
+def weigh_view(
     view: BoardView, board: BoardSpec, progress: ScanProgress, rule: StopRule = DEFAULT_STOP
-) -> bool:
-    """Tell whether a view adds enough, or its board has fewer views than the rule asks for."""
-    seen = progress.views_per_board[view.board] if view.board < len(progress.views_per_board) else 0
-    return seen < rule.views_per_board or view_gain(view, board, progress) >= rule.smallest_gain
+) -> Weighed:
+    """Return what a view adds, without solving again; it is wanted when that is enough or its board lacks views."""
+    per_board = list(progress.views_per_board) + [0] * (view.board + 1 - len(progress.views_per_board))
+    is_lacking = per_board[view.board] < rule.views_per_board
+    per_board[view.board] += 1
+    information = progress.information + view_information(view, board, progress.camera)
+    known = _Known(intrinsics_vector(progress.camera), information, progress.noise_px, progress.repeated)
+    size = (progress.camera.width, progress.camera.height)
+    after = _progress(known, size, tuple(per_board), progress.rms_px)
+    gain = max(0.0, 1.0 - after.predicted_px / max(progress.predicted_px, 1e-12))
+    return Weighed(after, gain, is_lacking or gain >= rule.smallest_gain)
 
 
-def is_enough(
-    history: Sequence[float], views_per_board: Sequence[int], rule: StopRule = DEFAULT_STOP
-) -> bool:
-    """Tell whether the scan may stop: `history` holds the predicted errors of the evaluations so far [px]."""
-    last = list(history)[-rule.times_in_a_row :]
-    is_precise = len(last) == rule.times_in_a_row and max(last) <= rule.predicted_px
-    is_seen = all(count >= rule.views_per_board for count in views_per_board)
-    return is_precise and is_seen and sum(views_per_board) >= rule.views
+def is_enough(progress: ScanProgress, rule: StopRule = DEFAULT_STOP) -> bool:
+    """Tell whether the camera is known well enough after this solve, from enough views of every board."""
+    is_seen = all(count >= rule.views_per_board for count in progress.views_per_board)
+    return progress.predicted_px <= rule.predicted_px and is_seen and progress.views >= rule.views
 
 
 def weakest_region(error: ImageError) -> str:
@@ -174,8 +188,8 @@ def weakest_region(error: ImageError) -> str:
 def advice(error: ImageError, rule: StopRule = DEFAULT_STOP) -> str:
     """Return what to do about boards that cannot reach the wanted precision, in one sentence."""
     region = weakest_region(error)
-    wanted = f"{rule.predicted_px:.1f} px over the image was wanted"
-    weakness = f"The image is least certain at the {region} ({error.max:.1f} px); {wanted}."
+    wanted = f"{rule.predicted_px:.2g} px over the image was wanted"
+    weakness = f"The image is least certain at the {region} ({error.max:.2f} px); {wanted}."
     if region.startswith("bottom"):
         return f"{weakness} Lay a board flat on the floor ahead of the robot: only it reaches there."
     return f"{weakness} Lean one board back by 20 to 40 degrees, turn another by 30, and put one nearer."
@@ -206,12 +220,6 @@ class _Known:
         free = np.ix_(_FREE, _FREE)
         covariance[free] += np.linalg.pinv(self.information[free], hermitian=True) * self.noise_px**2
         return predicted_error(sensitivity(self.intrinsics, image_size), covariance)
-
-
-def _after(view: BoardView, board: BoardSpec, progress: ScanProgress) -> _Known:
-    """Return what would be known with one more view."""
-    information = progress.information + view_information(view, board, progress.camera)
-    return _Known(intrinsics_vector(progress.camera), information, progress.noise_px, progress.repeated)
 
 
 def _progress(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.perception.information import weakest_region
 from fsm_calib.perception.lens import INTRINSICS, intrinsics_vector
@@ -21,6 +24,18 @@ def verdict(calibration: CameraCalibration) -> str:
         f"The image is least certain at the {region} ({error.max:.1f} px): take views with the board there, near and "
         "tilted."
     )
+
+
+def scan_verdict(camera: Mapping[str, Any]) -> str:
+    """Return whether a run's scan reached the error asked for, and the advice where it did not; `camera` is that of
+    result.json. Empty where nothing was asked for.
+    """
+    if camera.get("reached") is None:
+        return ""
+    figures = f"predicted error {camera['predicted_px']:.2f} px, {camera['target_px']:.2g} px asked for"
+    if camera["reached"]:
+        return f"Reached: {figures}; least certain at the {camera['weakest_part']}."
+    return f"Not reached: {figures}. {camera['advice']}"
 
 
 def parameter_rows(calibration: CameraCalibration) -> list[tuple[str, str, str]]:

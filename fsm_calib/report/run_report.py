@@ -15,6 +15,7 @@ from fsm_calib.errors import DataError
 from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.perception.intrinsics import calibrate
 from fsm_calib.report import run_camera, run_plan, run_timeline, run_wheels
+from fsm_calib.report.camera_words import scan_verdict
 from fsm_calib.report.run_record import RunRecord
 
 TEMPLATE = "run.html.j2"
@@ -42,6 +43,7 @@ def run_report(record: RunRecord) -> str:
         result=record.result,
         cards=cards(record.result),
         figures=_figures(record),
+        camera_verdict=scan_verdict(record.result["camera"] or {}),
         pictures=[(picture, Markup(record.data_url(picture))) for picture in record.pictures],
         settings={name: rows(values) for name, values in record.settings.items()},
     )

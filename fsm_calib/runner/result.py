@@ -78,7 +78,12 @@ def camera_result(session: Session) -> dict[str, Any] | None:
         "predicted_px": figures.predicted_px,
         "cross_validated_px": figures.cross_validated_px,
         "true_px": projection_difference(camera, session.world.truth.camera).rms,
+        "target_px": figures.target_px,
+        "reached": figures.is_reached,
+        "weakest_part": figures.weakest,
+        "advice": figures.advice,
         "views_used": figures.views_used,
+        "views_refused": notebook.views_refused,
         "views_per_board": [figures.views_per_board.get(str(board), 0) for board in boards],
     }
 
