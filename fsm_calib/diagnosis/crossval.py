@@ -7,6 +7,7 @@ happened once, cannot be judged so (measured: right patches lose 300 to 1785 uni
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,9 +15,9 @@ from fsm_calib.diagnosis.fit import ALL_RUNS, Engine, Fit, Slot
 from fsm_calib.diagnosis.hypotheses import Hypothesis
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
 
 STEPS = 5
-RESCUE_STEPS = 4
 
 
 def is_global(hypothesis: Hypothesis) -> bool:
@@ -25,49 +26,38 @@ def is_global(hypothesis: Hypothesis) -> bool:
 
 
 def held_out_gains(engine: Engine, parent: Fit, fit: Fit) -> list[float]:
-    """Return, for each recording, the log density that `fit`'s model wins over `parent`'s when fitted on the others.
+    """Return, for each recording, the log density that `fit`'s effects win over `parent` when fitted on the others.
 
-    Empty with fewer than two recordings. Numbers that belong to one recording (a phase) are fitted on it alone.
+    The effects' numbers come from the other recordings; what `parent` has free too (the base robot) is a nuisance
+    and fitted again on the recording itself, on both sides: a drive that cannot tell the axle from the wheels has no
+    veto. Numbers that belong to one recording (a phase) are fitted on it, too. Empty with fewer than two recordings.
     """
     runs = len(engine.simulators)
     if runs < 2:
         return []
-    return [_density(engine, fit, test) - _density(engine, parent, test) for test in range(runs)]
+    return [_density(engine, parent, fit, run) - _density(engine, parent, parent, run) for run in range(runs)]
 
 
-def _density(engine: Engine, fit: Fit, test: int) -> float:
-    """Return the log density of recording `test` under the model of `fit`, fitted on all others."""
+def _density(engine: Engine, parent: Fit, fit: Fit, test: int) -> float:
+    """Return the log density of recording `test` with the effects of `fit` as the other recordings have them."""
+    values = fit.values[test : test + 1].copy()
+    common = {slot.place for slot in parent.slots}
     others = [i for i in range(len(engine.simulators)) if i != test]
-    train = Engine(tuple(engine.simulators[i] for i in others))
-    slots, _ = _slots_for(fit.slots, others)
-    fitted = train.fit(fit.values[others], slots, fit.noise, steps=STEPS)
-    values = fitted.values[:1].copy()
-    _, own = _slots_for(fit.slots, [test])
-    for slot in own:
-        values[0, slot.place] = fit.values[test, slot.place]
+    learnt = [s for s in fit.slots if s.place not in common and s.run == ALL_RUNS]
+    if learnt:
+        train = Engine(tuple(engine.simulators[i] for i in others))
+        fitted = train.fit(fit.values[others], _slots_for(fit.slots, others), fit.noise, steps=STEPS)
+        for slot in learnt:
+            values[0, slot.place] = fitted.values[0, slot.place]
     alone = Engine((engine.simulators[test],))
-    if own:
-        values = alone.fit(values, own, fit.noise, steps=RESCUE_STEPS).values
-    simulated = alone.simulators[0].increments(values)
-    return alone.log_likelihood(alone.whiteners(fit.noise), [simulated[0]])
+    nuisance = [s for s in _slots_for(fit.slots, [test]) if s.place in common or s.run != ALL_RUNS]
+    return alone.fit(values, nuisance, fit.noise, steps=STEPS).log_likelihood
 
 
-def _slots_for(slots: Sequence[Slot], runs: Sequence[int]) -> tuple[list[Slot], list[Slot]]:
-    """Return all slots that concern `runs`, renumbered, and those among them that belong to one recording."""
+def _slots_for(slots: Sequence[Slot], runs: Sequence[int]) -> list[Slot]:
+    """Return the slots that concern `runs`, renumbered."""
     kept = [s for s in slots if s.run == ALL_RUNS or s.run in runs]
-    renumbered = [
-        Slot(
-            s.place,
-            s.low,
-            s.high,
-            s.step,
-            s.run if s.run == ALL_RUNS else list(runs).index(s.run),
-            s.centre,
-            s.spread,
-        )
-        for s in kept
-    ]
-    return renumbered, [s for s in renumbered if s.run != ALL_RUNS]
+    return [s if s.run == ALL_RUNS else replace(s, run=list(runs).index(s.run)) for s in kept]
 
 
 def on_new_recording(engine: Engine, fit: Fit) -> FloatArray:
@@ -75,8 +65,6 @@ def on_new_recording(engine: Engine, fit: Fit) -> FloatArray:
 
     Numbers of the robot are kept. Events did not happen. Phases are found on the new recording, from several starts.
     """
-    from fsm_calib.world2d.parameters import parameter_table
-
     table = parameter_table()
     values = fit.values[:1].copy()
     own: list[Slot] = []
