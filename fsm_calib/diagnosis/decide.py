@@ -20,6 +20,7 @@ from fsm_calib.diagnosis.gates import DEFAULT_GATES, Adequacy, Gates, adequacy
 from fsm_calib.diagnosis.heldout import error_left
 from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, hypotheses_of, shown_by, with_values
 from fsm_calib.diagnosis.locate import Location, locate
+from fsm_calib.diagnosis.pairs import survivor
 from fsm_calib.diagnosis.plausible import is_plausible
 from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.diagnosis.situation import situation
@@ -27,6 +28,7 @@ from fsm_calib.world2d.effects import Effect, registry
 
 POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
 POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
+BETTER = 3.0  # log-likelihood units that make another optimum worth a look
 SWAPS = 4  # other first effects tried beside a second
 WORST_RECORDING = -4.0  # log density that one recording may lose by chance when fitted on the other
 
@@ -164,6 +166,10 @@ class Judge:
             return first, tuple(found)
         second = polished(self.engine, found[0], first.fit, noise_names(self.engine.simulators))
         lead = self._swap(first.effects[0], second, ranking, base)
+        single = survivor(self.engine, lead[0], lead[1], base, wanted)
+        if single is not None:
+            better = single.fit.score > first.fit.score + BETTER
+            return (self._model((single,), single.fit, base) if better else first), tuple(found)
         both = self._model(lead[0], lead[1], base)
         cured = both.adequacy.surprise < self.gates.surprise or (
             both.adequacy.surprise < 0.5 * first.adequacy.surprise and both.adequacy.passes(self.gates)
@@ -187,7 +193,7 @@ class Judge:
                 for hypothesis, starts in bank.plans(registry()[rival.name]):
                     for start in starts:
                         tried = bank.fit(hypothesis, start)
-                        if tried.fit.score > best[1].score + 3.0:
+                        if tried.fit.score > best[1].score + BETTER:
                             best = ((tried, replace(second, fit=tried.fit)), tried.fit)
         self.timed("swaps", began)
         return best
