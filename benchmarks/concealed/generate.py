@@ -210,20 +210,32 @@ def keystream(passphrase: str, length: int) -> bytes:
     return hashlib.shake_256(passphrase.encode()).digest(length)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def command_line(summary: str, robots: int, seed: int) -> argparse.ArgumentParser:
+    """The options that every generator of robots has."""
+    parser = argparse.ArgumentParser(description=summary)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--robots", type=int, default=400)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--robots", type=int, default=robots)
+    parser.add_argument("--seed", type=int, default=seed)
+    parser.add_argument("--jobs", type=int, default=1)
+    return parser
+
+
+def key_text(out: Path, lines: list[dict]) -> bytes:
+    """Write the hash of the key and return its text."""
+    text = json.dumps(sorted(lines, key=lambda line: line["name"]), indent=1).encode()
+    (out / "key.sha256").write_text(hashlib.sha256(text).hexdigest() + "\n")
+    return text
+
+
+def main() -> None:
+    parser = command_line(__doc__.splitlines()[0], robots=400, seed=1)
     parser.add_argument("--open", action="store_true", help="a development set: the key in plain text")
     a = parser.parse_args()
     rows = plan(a.robots, a.seed)
     lines = Parallel(n_jobs=a.jobs, verbose=5)(
         delayed(make_robot)(a.out, i, row, a.seed) for i, row in enumerate(rows)
     )
-    text = json.dumps(sorted(lines, key=lambda x: x["name"]), indent=1).encode()
-    (a.out / "key.sha256").write_text(hashlib.sha256(text).hexdigest() + "\n")
+    text = key_text(a.out, lines)
     if a.open:
         (a.out / "key.json").write_bytes(text)
         return

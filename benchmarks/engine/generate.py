@@ -10,8 +10,6 @@ whose key line exists is not made again. Drives, tracker and files are those of 
 
 from __future__ import annotations
 
-import argparse
-import hashlib
 import json
 import math
 import shutil
@@ -26,7 +24,7 @@ from joblib import Parallel, delayed
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from concealed.drives import Drive, make_drive
-from concealed.generate import _write_run
+from concealed.generate import _write_run, command_line, key_text, reached
 from concealed.physics import Physics
 from concealed.physics import simulate as simulate_simply
 from concealed.robots import Sensor, draw_sensor, observe
@@ -212,20 +210,13 @@ def make_robot(out: Path, number: int, name: str, main_seed: int) -> dict:
             out / "robots" / label / run, label, drive, times, states, replace(sensor, effect=effect), own
         )
     line = {
-        "name": label, "label": name, "level": "none" if name == "none" else level_of(ratio), "poor": False,
+        "name": label, "label": name, "level": "none" if name == "none" else reached(ratio), "poor": False,
         "size": size, "ratio": ratio, "contacts": contacts, "physics": changed._asdict(), "sensor": effect,
         "encoders": sensor.encoders, "rate": sensor.rate, "sigma": [sensor.sigma_xy, sensor.sigma_theta],
     }  # fmt: skip
     line_file.parent.mkdir(parents=True, exist_ok=True)
     line_file.write_text(json.dumps(line))
     return line
-
-
-def level_of(ratio: float) -> str:
-    """Return the level that a ratio reached."""
-    return (
-        "plain" if ratio >= BAND[0] else "masked" if ratio >= 1.1 else "faint" if ratio >= 1.02 else "below"
-    )
 
 
 def plan(count: int, seed: int) -> list[str]:
@@ -239,19 +230,12 @@ def plan(count: int, seed: int) -> list[str]:
 
 def main() -> None:
     """Make the robots and write the key with its hash."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("out", type=Path)
-    parser.add_argument("--robots", type=int, default=40)
-    parser.add_argument("--seed", type=int, default=11)
-    parser.add_argument("--jobs", type=int, default=1)
-    arguments = parser.parse_args()
+    arguments = command_line(__doc__.splitlines()[0], robots=40, seed=11).parse_args()
     lines = Parallel(n_jobs=arguments.jobs, verbose=5)(
         delayed(make_robot)(arguments.out, i, name, arguments.seed)
         for i, name in enumerate(plan(arguments.robots, arguments.seed))
     )
-    text = json.dumps(sorted(lines, key=lambda line: line["name"]), indent=1).encode()
-    (arguments.out / "key.json").write_bytes(text)
-    (arguments.out / "key.sha256").write_text(hashlib.sha256(text).hexdigest() + "\n")
+    (arguments.out / "key.json").write_bytes(key_text(arguments.out, lines))
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ STEP = 0.001  # s
 CHUNK = 10  # steps between two looks at commands, disturbances and the floor
 WHEEL_WIDTH = 0.012  # m, half the ellipsoid's axis
 BALL_ARM, BALL_RADIUS = 0.07, 0.012  # m before and behind the axle, m
-BALL_GAP = 0.001  # m under each ball, so that the wheels bear the weight
+BALL_GAP = 2e-5  # m under each ball: a tenth of what the tyres sink in, so that the body cannot rock between the balls
 HEIGHT = 0.03  # m of the body's centre above the axle's height
 PUSH_LASTS = 0.25  # s
 
