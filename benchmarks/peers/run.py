@@ -1,13 +1,12 @@
-"""Ours and its peers on the same concealed robots, in one table.
+"""Ours and its peers on the same concealed robots, in one run and one table.
 
     python -m pip install pysindy scikit-learn                                       # development only
     python benchmarks/concealed/generate.py build/peers --robots 40 --seed 77 --open
-    python benchmarks/concealed/run.py build/peers --jobs 1                          # ours
-    python benchmarks/peers/run.py build/peers                                       # the peers, and the table
+    python benchmarks/peers/run.py build/peers
 
-Resumable: answers go to OUT/peers.jsonl, one line for each robot and peer. Errors are medians over 2 s windows of the
-drive that nobody fitted, divided by the floor that `fsm-calib diagnose` states for it; where it has not yet diagnosed
-a robot, the smallest error of any method stands in for the floor.
+Resumable: answers go to OUT/peers.jsonl, one line for each robot and method. Errors are medians over the same 2 s
+windows of the drive that nobody fitted, divided by the floor that the diagnosis' noise alone would give there; seconds
+are processor time of one core.
 """
 
 from __future__ import annotations
@@ -16,54 +15,40 @@ import argparse
 import json
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from concealed.score import first_names
-
-from peers.data import error_of, read_track, windows_of
+from peers.data import Track, Windows, error_of, read_track, windows_of
 from peers.methods import PEERS, predict
+from peers.ours import BASE, OURS, answers, new_drive, shared
 
 DELAYS = {"command_delay", "observation_delay"}
-OURS = "fsm-calib diagnose"
-BASE = "base re-fitted by likelihood"
 
 
-def answer(folder: Path, peer: str) -> dict:
+def answer(folder: Path, peer: str, new: Track, windows: Windows) -> dict:
     """Let one peer work on one robot."""
     started = time.process_time()
     train = [read_track(folder / run) for run in ("run-a", "run-b")]
     said = PEERS[peer](train)
     seconds = time.process_time() - started
-    new = read_track(folder / "run-h")
-    windows = windows_of(new)
     xy, theta = error_of(predict(new, windows, said.rates), windows)
     return {
         "robot": folder.name, "peer": peer, "name": said.name, "xy_m": xy, "theta_rad": theta, "seconds": seconds
     }  # fmt: skip
 
 
-def ours(out: Path, robot: str) -> list[dict]:
-    """Return our verdict, and the base that it re-fitted first, as lines of peers; none while there is no verdict."""
-    file = out / "verdicts" / f"{robot}.json"
-    if not file.exists():
-        return []
-    verdict = json.loads(file.read_text())
-    holdout = (verdict.get("fit") or {}).get("holdout") or {}
-    parts, before, after = verdict.get("seconds_by_part") or {}, holdout.get("before"), holdout.get("after")
-    common = {"robot": robot, "floor": holdout.get("floor") or {}}
-    mine = {
-        "names": sorted(first_names(verdict)),
-        "verdict": verdict["verdict"],
-        "seconds": verdict.get("seconds"),
-    }
-    base = {"names": [], "seconds": parts.get("base")}
-    return [
-        {**common, **base, "peer": BASE, **(before or {})},
-        {**common, **mine, "peer": OURS, **(after or {})},
-    ]
+def work(folder: Path, done: set[str]) -> Iterator[dict]:
+    """Let everybody who is not done work on one robot."""
+    new = read_track(folder / "run-h")
+    windows, *places = shared(new, windows_of(new), new_drive(folder / "run-h"))
+    if OURS not in done:
+        yield from answers(folder, (places[0], places[1]))
+    for peer in PEERS:
+        if peer not in done:
+            yield answer(folder, peer, new, windows)
 
 
 def is_right(label: str, names: set[str]) -> bool:
@@ -100,14 +85,8 @@ def row(peer: str, lines: list[dict], labels: dict[str, str], floors: dict[str, 
 
 
 def floors_of(lines: list[dict]) -> dict[str, dict]:
-    """Return the floor of each robot: ours as stated, else the smallest error anybody made."""
-    floors: dict[str, dict] = {}
-    for robot in {line["robot"] for line in lines}:
-        mine = [line for line in lines if line["robot"] == robot]
-        stated = next((line["floor"] for line in mine if line.get("floor")), {})
-        least = {key: min(line[key] for line in mine if line.get(key)) for key in ("xy_m", "theta_rad")}
-        floors[robot] = {key: stated.get(key) or least[key] for key in least}
-    return floors
+    """Return the floor of each robot, as the diagnosis states it."""
+    return {line["robot"]: line["floor"] for line in lines if line["peer"] == OURS}
 
 
 def main() -> None:
@@ -120,18 +99,15 @@ def main() -> None:
     labels = {line["name"]: line["label"] for line in key if not line["poor"]}
     store = arguments.out / "peers.jsonl"
     lines = [json.loads(text) for text in store.read_text().splitlines()] if store.exists() else []
-    done = {(line["robot"], line["peer"]) for line in lines}
     for robot in labels:
-        for peer in PEERS:
-            if (robot, peer) in done:
-                continue
-            line = answer(arguments.out / "robots" / robot, peer)
+        done = {line["peer"] for line in lines if line["robot"] == robot}
+        for line in work(arguments.out / "robots" / robot, done):
             lines.append(line)
             with store.open("a") as stream:
                 stream.write(json.dumps(line) + "\n")
-            print(f"{robot} {peer}: {line['name'] or 'nothing'}", file=sys.stderr, flush=True)
+            named = line.get("names") or ([line["name"]] if line.get("name") else [])
+            print(f"{robot} {line['peer']}: {', '.join(named) or 'nothing'}", file=sys.stderr, flush=True)
     lines = [line for line in lines if line["robot"] in labels]
-    lines += [line for robot in labels for line in ours(arguments.out, robot)]
     floors = floors_of(lines)
     print(
         "| method | right name | a name for clean | unexplained outside | xy / floor | heading / floor | s |"

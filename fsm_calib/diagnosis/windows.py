@@ -41,9 +41,14 @@ class Windows:
     floor: FloatArray
 
 
-def prediction_windows(prepared: Prepared, noise: Noise, simulated: FloatArray) -> Windows:
-    """Return the errors of predictions over the settings' horizon."""
-    starts, ends = window_places(prepared)
+def prediction_windows(
+    prepared: Prepared,
+    noise: Noise,
+    simulated: FloatArray,
+    places: tuple[np.ndarray, np.ndarray] | None = None,
+) -> Windows:
+    """Return the errors of predictions over the settings' horizon, or between the events (starts, ends) given."""
+    starts, ends = window_places(prepared) if places is None else places
     p = prepared
     error, spread = _predict(
         p.dt, p.rotation, p.step[:, :2].copy(), p.moving, p.seen, p.restart, noise.vector(), p.geometry,
