@@ -28,6 +28,8 @@ from fsm_calib.world2d.parameters import parameter_table
 
 FIRST_STEPS, LAST_STEPS = 6, 6  # Gauss-Newton steps before and after the noise is fitted again
 HOPELESS = 2.0  # log-likelihood units: below, the noise is not fitted again and a fit is given up early
+FAR_BELOW = 0.3  # of the evidence that counts: a fit at its parent's noise that has less is not finished
+NEAR_ENOUGH = 40.0  # evidence below the best within which every fit is finished: rivals are told by their gap
 FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are computed again
 WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
 POLISH_ROUNDS = 4  # fits and noise in turn
@@ -67,10 +69,11 @@ class Bank:
     parent: Fit
     prober: Prober
     scanner: Scanner
+    wanted: float = 0.0
 
     @classmethod
-    def on(cls, engine: Engine, parent: Fit) -> Bank:
-        """Prepare probing and scanning."""
+    def on(cls, engine: Engine, parent: Fit, wanted: float = 0.0) -> Bank:
+        """Prepare probing and scanning; what stays far below the evidence `wanted` is not fitted to the end."""
         residual = residual_of(engine, parent)
         situations = [situation(s, v) for s, v in zip(engine.simulators, parent.values, strict=True)]
         return cls(
@@ -78,22 +81,41 @@ class Bank:
             parent,
             Prober(engine.simulators, parent, residual),
             Scanner(engine.simulators, situations, parent, residual),
+            wanted,
         )
+
+    @property
+    def _worth(self) -> float:
+        """The log-likelihood that a fit must win before it is worth more time."""
+        return max(HOPELESS, 0.5 * FAR_BELOW * self.wanted)
 
     def rank(self, effects: Iterable[Effect], progress: Progress = lambda name: None) -> list[Ranked]:
         """Fit all effects in all their forms; return the best form of each, largest evidence first."""
-        best: dict[str, Ranked] = {}
+        tried: list[Ranked] = []
         self.seconds.clear()
         for effect in effects:
             progress(effect.name)
             began = perf_counter()
-            for hypothesis, starts in self.plans(effect):
-                for start in starts:
-                    ranked = self.fit(hypothesis, start)
-                    if effect.name not in best or ranked.evidence > best[effect.name].evidence:
-                        best[effect.name] = ranked
+            begun = [self._begun(form, start) for form, starts in self.plans(effect) for start in starts]
+            begun.sort(key=lambda ranked: -ranked.evidence)
+            tried += begun[:1] + [ranked for ranked in begun[1:] if ranked.gain > self._worth]
             self.seconds[effect.name] = perf_counter() - began
+        best: dict[str, Ranked] = {}
+        near = self._near(tried)
+        for ranked in tried:
+            began = perf_counter()
+            done = self._finished(ranked) if ranked.name in near else ranked
+            if done.name not in best or done.evidence > best[done.name].evidence:
+                best[done.name] = done
+            self.seconds[done.name] += perf_counter() - began
         return sorted(best.values(), key=lambda r: -r.evidence)
+
+    @staticmethod
+    def _near(tried: Sequence[Ranked]) -> set[str]:
+        """Return the effects of which a form comes near enough to the best to be worth finishing."""
+        top = max((ranked.evidence for ranked in tried), default=0.0)
+        least = min(FAR_BELOW * top, top - NEAR_ENOUGH)
+        return {ranked.name for ranked in tried if ranked.evidence >= least}
 
     @property
     def seconds(self) -> dict[str, float]:
@@ -148,21 +170,38 @@ class Bank:
 
     def fit(self, hypothesis: Hypothesis, start: Start) -> Ranked:
         """Fit one hypothesis from one start; the result is never worse than the parent."""
+        return self._finished(self._begun(hypothesis, start))
+
+    def _begun(self, hypothesis: Hypothesis, start: Start) -> Ranked:
+        """Fit one hypothesis at the parent's noise."""
         taken = {(slot.place, slot.run) for slot in self.parent.slots}
         new = [s for s in slots_of(hypothesis, len(self.engine.simulators)) if (s.place, s.run) not in taken]
         slots = (*self.parent.slots, *new)
-        known = self.parent.columns
-        hope = self.parent.score + HOPELESS
-        noise = self.parent.noise
-        fit = self.engine.fit(start.values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope)
+        known, noise, hope = self.parent.columns, self.parent.noise, self.parent.score + self._worth
+        linear = start.values is self.parent.values
+        fit = self.engine.fit(
+            start.values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope, linear=linear
+        )
         if fit.score < self.parent.score:  # too bold a start: creep away from the parent's point instead
             values = self._switched_off(hypothesis, start)
-            fit = self.engine.fit(values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope)
-        if fit.score > self.parent.score + HOPELESS:
-            fit = self.engine.refit_noise(fit, SPEED_NOISE, 2)
-            if fit.score > self.parent.score + FAR:
-                known = jacobian(self.engine.simulators, fit.values, self.parent.slots, fit.simulated)
-            fit = self.engine.fit(fit.values, slots, fit.noise, known=known, steps=LAST_STEPS)
+            fit = self.engine.fit(
+                values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope, linear=True
+            )
+        return self._ranked(hypothesis, fit)
+
+    def _finished(self, ranked: Ranked) -> Ranked:
+        """Fit the noise again, and the hypothesis at that noise; what has won nothing stays as it is."""
+        if ranked.gain <= self._worth:
+            return ranked
+        fit = self.engine.refit_noise(ranked.fit, SPEED_NOISE, 2)
+        known = self.parent.columns
+        if fit.score > self.parent.score + FAR:
+            known = jacobian(self.engine.simulators, fit.values, self.parent.slots, fit.simulated)
+        fit = self.engine.fit(fit.values, fit.slots, fit.noise, known=known, steps=LAST_STEPS)
+        return self._ranked(ranked.hypothesis, fit)
+
+    def _ranked(self, hypothesis: Hypothesis, fit: Fit) -> Ranked:
+        """Return the fit with its evidence, at the parent's point where it came out worse."""
         if fit.score < self.parent.score - NESTING_SLACK:
             fit = self._at_parent(fit)
         gain = fit.score - self.parent.score

@@ -51,12 +51,10 @@ class Model:
     tests: tuple[LeftOver, ...]
     contest: Contest | None = None
 
-    def sound(self, gates: Gates, *, but_shape: bool = False) -> bool:
-        """Return whether no form without a name does better than the effects (`but_shape`: may add to them)."""
+    def sound(self, gates: Gates) -> bool:
+        """Return whether no form without a name does better than the effects."""
         against = self.contest
-        return against is None or not (
-            against.replaceable(gates) or (against.misshapen(gates) and not but_shape)
-        )
+        return against is None or not (against.replaceable(gates) or against.misshapen(gates))
 
     def complaint(self, gates: Gates) -> str:
         """Return in words which form without a name does better."""
@@ -157,11 +155,11 @@ class Judge:
     def _second(self, first: Model, ranking: Sequence[Ranked], base: Fit) -> tuple[Model, tuple[Ranked, ...]]:
         """Look for a second effect on top of the first; keep it only where it closes the gap."""
         began = perf_counter()
-        bank = Bank.on(self.engine, first.fit)
+        wanted = max(self.gates.second, self.gates.second_share * first.effects[0].evidence)
+        bank = Bank.on(self.engine, first.fit, wanted)
         others = [e for e in self.effects if e.name != first.effects[0].name]
         found = [r for r in bank.rank(others, self.progress) if is_plausible(r, self.engine.simulators)]
         self.timed("second effect", began)
-        wanted = max(self.gates.second, self.gates.second_share * first.effects[0].evidence)
         if not found or found[0].evidence < wanted:
             return first, tuple(found)
         second = polished(self.engine, found[0], first.fit, noise_names(self.engine.simulators))
@@ -217,13 +215,14 @@ class Judge:
     def _judge(self, model: Model, base: Fit) -> tuple[Outcome, str]:
         """Pass the model through the gates."""
         left = model.adequacy
-        dominant = error_left(self.engine.simulators, base, model.fit) < self.gates.dominant
+        share = error_left(self.engine.simulators, base, model.fit)
+        dominant = share < self.gates.dominant
         if not left.passes(self.gates) and not dominant:
             return "unexplained", (
                 f"the best explanation leaves structure in {left.group} (10^-{left.surprise:.0f} by chance, "
                 f"{100 * left.share:.0f} % of what it explains)"
             )
-        if not model.sound(self.gates, but_shape=dominant):
+        if not (model.sound(self.gates) or share < self.gates.ruling):
             return "unexplained", model.complaint(self.gates)
         if model.gains and (sum(model.gains) <= 0.0 or min(model.gains) < WORST_RECORDING):
             return (

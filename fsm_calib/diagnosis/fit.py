@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.likelihood import Whitener, fit_noise, log_density, robust_weights
+from fsm_calib.diagnosis.likelihood import Whitener, fit_noise, log_density
+from fsm_calib.diagnosis.newton import clipped, damped_step, log_prior, normal_equations, promised
 from fsm_calib.diagnosis.noise import Noise
 from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.types import FloatArray
@@ -21,6 +22,9 @@ from fsm_calib.types import FloatArray
 ALL_RUNS = -1
 SMALL_GAIN = 0.1  # log-likelihood units: a smaller gain ends the iteration
 
+REMEMBERED = 4  # filters at so many noises
+NEGLIGIBLE = 0.01  # log-likelihood units: a fit that may be given up does not try a step that promises less
+OPTIMISM = 3.0  # a fit is given up where even so many times the promise of its step would not fulfil its hope
 PATIENCE = 2  # steps within which a fit must show that it gets anywhere
 
 
@@ -108,20 +112,6 @@ def jacobian(
     return tuple(columns)
 
 
-@dataclass(frozen=True, eq=False)
-class _Whitened:
-    residual: FloatArray
-    columns: FloatArray
-    log_likelihood: float
-
-
-def _prior(slots: Sequence[Slot], numbers: FloatArray) -> float:
-    spread = np.array([slot.spread for slot in slots])
-    off = numbers - np.array([slot.centre for slot in slots])
-    with_prior = spread > 0
-    return float(-0.5 * np.sum((off[with_prior] / spread[with_prior]) ** 2))
-
-
 def _nonzero_columns(whitener: Whitener, columns: FloatArray) -> FloatArray:
     """Whiten columns (n, 5, m); those that are zero in this recording cost nothing."""
     used = np.flatnonzero(columns.any(axis=(0, 1)))
@@ -150,17 +140,44 @@ class Engine:
         return int(sum(s.prepared.scored.sum() for s in self.simulators))
 
     def whiteners(self, noise: Noise) -> list[Whitener]:
-        """Return one filter a recording."""
-        return [Whitener.at(s.prepared, noise) for s in self.simulators]
+        """Return one filter a recording; the last few noises are remembered, since many fits share one."""
+        key = noise.vector().tobytes()
+        kept: dict[bytes, list[Whitener]] = self.__dict__.setdefault("_whiteners", {})
+        if key not in kept:
+            if len(kept) >= REMEMBERED:
+                kept.pop(next(iter(kept)))
+            kept[key] = [Whitener.at(s.prepared, noise) for s in self.simulators]
+        return kept[key]
 
     def log_likelihood(self, whiteners: Sequence[Whitener], simulated: Sequence[FloatArray]) -> float:
         """Return the log-likelihood of simulated increments."""
-        pairs = zip(whiteners, simulated, strict=True)
-        return float(sum(log_density(w.residual(s), w.log_scale, self.nu).sum() for w, s in pairs))
+        return self.judged(whiteners, simulated)[1]
 
     def residual(self, whiteners: Sequence[Whitener], simulated: Sequence[FloatArray]) -> FloatArray:
         """Return the whitened innovations of all recordings in a row, shape (N,)."""
-        return np.concatenate([w.residual(s) for w, s in zip(whiteners, simulated, strict=True)])
+        return self.judged(whiteners, simulated)[0]
+
+    def judged(
+        self, whiteners: Sequence[Whitener], simulated: Sequence[FloatArray]
+    ) -> tuple[FloatArray, float]:
+        """Return the whitened innovations of all recordings in a row and their log-likelihood."""
+        parts = [w.residual(s) for w, s in zip(whiteners, simulated, strict=True)]
+        densities = [
+            log_density(r, w.log_scale, self.nu).sum() for r, w in zip(parts, whiteners, strict=True)
+        ]
+        return np.concatenate(parts), float(sum(densities))
+
+    def _white_known(
+        self, whiteners: Sequence[Whitener], known: Sequence[FloatArray] | None
+    ) -> FloatArray | None:
+        """Return whitened columns that a parent fit has computed; the last ones are remembered."""
+        if not known or not known[0].shape[2]:
+            return None
+        last = self.__dict__.get("_known")
+        if last is None or last[0] is not known or last[1] is not whiteners:
+            last = (known, whiteners, self.white_columns(whiteners, known))
+            self.__dict__["_known"] = last
+        return np.asarray(last[2], dtype=float)
 
     def white_columns(self, whiteners: Sequence[Whitener], columns: Sequence[FloatArray]) -> FloatArray:
         """Return whitened Jacobian columns of all recordings, shape (N, m): minus the residual's derivatives."""
@@ -176,20 +193,22 @@ class Engine:
         steps: int = 12,
         refresh: bool = False,
         hope: float = -np.inf,
+        linear: bool = False,
     ) -> Fit:
         """Climb from `values` (R, p).
 
         known : raw columns (n, 5, q) of the first q slots for each recording, not computed again; refresh : compute
         all columns at the end, for the covariance; hope : a score that must be passed within `PATIENCE` steps, else
-        the fit is given up.
+        the fit is given up; linear : the model is nearly linear here, so that what a step promises may end it at once.
         """
         slots = tuple(slots)
         whiteners = self.whiteners(noise)
         numbers = np.array([values[max(slot.run, 0), slot.place] for slot in slots])
         simulated = simulate_all(self.simulators, values)
-        here = self.log_likelihood(whiteners, simulated) + _prior(slots, numbers)
-        first = known[0].shape[2] if known else 0
-        fixed = self.white_columns(whiteners, known) if known and first else None
+        residual, here = self.judged(whiteners, simulated)
+        here += log_prior(slots, numbers)
+        fixed = self._white_known(whiteners, known)
+        first = 0 if fixed is None else fixed.shape[1]
         normal = np.eye(len(slots))
         raw: tuple[FloatArray, ...] = ()
         damping = 1e-6
@@ -197,67 +216,38 @@ class Engine:
             raw = jacobian(self.simulators, values, slots[first:], simulated)
             white = self.white_columns(whiteners, raw)
             white = white if fixed is None else np.hstack([fixed, white])
-            normal, gradient = self._normal(white, self.residual(whiteners, simulated), slots, numbers)
-            better = None
+            normal, gradient = normal_equations(white, residual, slots, numbers, self.nu)
+            better, tried = None, damped_step(normal, gradient, damping, slots, numbers)
+            won = promised(normal, gradient, tried - numbers)
+            settled = hope > -np.inf and won < NEGLIGIBLE and not clipped(slots, numbers, tried)
+            if settled or (linear and here + OPTIMISM * won < hope):
+                break
             for _ in range(5):
-                tried = self._step(normal, gradient, damping, slots, numbers)
                 candidate = with_slots(values, slots, tried)
                 there_simulated = simulate_all(self.simulators, candidate)
-                there = self.log_likelihood(whiteners, there_simulated) + _prior(slots, tried)
+                there_residual, there = self.judged(whiteners, there_simulated)
+                there += log_prior(slots, tried)
                 if there > here:
-                    better = (candidate, tried, there_simulated, there)
+                    better = (candidate, tried, there_simulated, there_residual, there)
                     damping = max(damping * 0.1, 1e-6)
                     break
                 damping = max(damping * 30.0, 1e-3)
+                tried = damped_step(normal, gradient, damping, slots, numbers)
             if better is None:
                 break
-            gain = better[3] - here
-            values, numbers, simulated, here = better
+            gain = better[4] - here
+            values, numbers, simulated, residual, here = better
             if gain < SMALL_GAIN or (iteration + 1 >= PATIENCE and here < hope):
                 break
         if refresh or not raw:
             raw = jacobian(self.simulators, values, slots, simulated)
             white = self.white_columns(whiteners, raw)
-            normal, _ = self._normal(white, self.residual(whiteners, simulated), slots, numbers)
+            normal, _ = normal_equations(white, residual, slots, numbers, self.nu)
         elif first and known:
             raw = tuple(np.concatenate([k, r], axis=2) for k, r in zip(known, raw, strict=True))
-        prior = _prior(slots, numbers)
+        prior = log_prior(slots, numbers)
         covariance: FloatArray = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=float)
         return Fit(values, slots, noise, here - prior, prior, covariance, simulated, raw)
-
-    def _normal(
-        self, white: FloatArray, residual: FloatArray, slots: Sequence[Slot], numbers: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return the normal matrix and the gradient of the score, priors included."""
-        weights = robust_weights(residual, self.nu)
-        weighted = white * weights[:, None]
-        normal, gradient = weighted.T @ white, weighted.T @ residual
-        for j, slot in enumerate(slots):
-            if slot.spread > 0:
-                normal[j, j] += 1.0 / slot.spread**2
-                gradient[j] -= (numbers[j] - slot.centre) / slot.spread**2
-        return normal, gradient
-
-    def _step(
-        self,
-        normal: FloatArray,
-        gradient: FloatArray,
-        damping: float,
-        slots: Sequence[Slot],
-        numbers: FloatArray,
-    ) -> FloatArray:
-        """Return the numbers after one damped step inside the bounds; what a bound stops is taken out."""
-        low = np.array([slot.low for slot in slots])
-        high = np.array([slot.high for slot in slots])
-        free = ~(((numbers <= low) & (gradient < 0)) | ((numbers >= high) & (gradient > 0)))
-        scale = np.sqrt(np.maximum(np.diag(normal), 1e-12))
-        step = np.zeros(len(numbers))
-        index = np.flatnonzero(free)
-        if len(index):
-            scaled = normal[np.ix_(index, index)] / np.outer(scale[index], scale[index])
-            scaled += max(damping, 1e-9) * np.eye(len(index))
-            step[index] = np.linalg.solve(scaled, gradient[index] / scale[index]) / scale[index]
-        return np.clip(numbers + step, low, high)
 
     def at_noise(self, fit: Fit, noise: Noise) -> Fit:
         """Return the same parameters under another noise."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from numba import njit
@@ -58,7 +59,7 @@ class Simulator:
         states = simulate_many(values, self.drive, self.grid, start, self.track, p.settings.simulation_step)
         out = np.empty((len(values), len(p.time), 5))
         for i, vector in enumerate(values):
-            seen_at = np.ascontiguousarray(robot_time(vector, p.time))
+            seen_at = np.ascontiguousarray(robot_time(vector, p.time)) if _acts(vector, "clock") else p.time
             sample_increments(states[i], self.grid[0], GRID_STEP, seen_at, p.time, out[i])
             through_sensor(vector, p.reference, out[i])
         return out
@@ -69,14 +70,27 @@ def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray) -
 
     Place is taken from the reference path, so that open-loop drift does not matter.
     """
-    if _bends_poses(vector):
+    if _acts(vector, "observe"):
         mount_and_compose(reference, observe(vector, reference, reference[:, :2]), out)
 
 
-def _bends_poses(vector: FloatArray) -> bool:
-    """Return whether any active effect sits between the robot's pose and the sensor's."""
-    effects = registry()
-    return any("observe" in effects[name].hooks for name in parameter_table().active_effects(vector))
+@cache
+def _strengths_with(hook: str) -> tuple[FloatArray, FloatArray]:
+    """Return places and null values of the strengths of all effects that have a hook."""
+    table, effects = parameter_table(), registry()
+    rows = [
+        (i, entry.null)
+        for i, (entry, owner) in enumerate(zip(table.entries, table.owner, strict=True))
+        if owner and entry.strength and hook in effects[owner].hooks
+    ]
+    places, nulls = zip(*rows, strict=True)
+    return np.array(places), np.array(nulls)
+
+
+def _acts(vector: FloatArray, hook: str) -> bool:
+    """Return whether an effect with a hook is switched on: `clock`, or `observe` between robot and sensor."""
+    places, nulls = _strengths_with(hook)
+    return bool((vector[places] != nulls).any())
 
 
 @njit(cache=True)

@@ -72,7 +72,7 @@ class Drive:
 
 @cache
 def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return places, null values and flags' places of all parameters that switch an effect on."""
+    """Return places and null values of all parameters that switch an effect on, and whose each is, (s, effects)."""
     table = parameter_table()
     flag = {name: i for i, name in enumerate(registry())}
     rows = [
@@ -81,7 +81,9 @@ def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
         if o and e.strength
     ]
     places, nulls, flags = zip(*rows, strict=True)
-    return np.array(places), np.array(nulls), np.array(flags)
+    whose = np.zeros((len(flags), len(flag)))
+    whose[np.arange(len(flags)), flags] = 1.0
+    return np.array(places), np.array(nulls), whose
 
 
 @cache
@@ -96,11 +98,9 @@ def _needs_place() -> NDArray[np.bool_]:
 
 def active_flags(parameters: FloatArray) -> NDArray[np.bool_]:
     """Return which effects a vector (or each row of a matrix) switches on, shape (..., effects), bool."""
-    places, nulls, flags = _strengths()
+    places, nulls, whose = _strengths()
     differs = np.asarray(parameters)[..., places] != nulls
-    on = np.zeros((*differs.shape[:-1], len(registry())), dtype=bool)
-    for column, flag in enumerate(flags):
-        on[..., flag] |= differs[..., column]
+    on: NDArray[np.bool_] = differs.astype(float) @ whose > 0.0
     return on
 
 
@@ -197,8 +197,9 @@ def simulate_many(
     if not dt > 0.0:
         raise InputError(f"the step is {dt} s, expected a positive number")
     on = active_flags(matrix)
-    track = track_at(pose_track, samples, matrix[0])
-    looks = np.where((on & _needs_place()).any(axis=1), 2 if len(track) else 1, 0)
+    needs = (on & _needs_place()).any(axis=1)
+    track = track_at(pose_track if needs.any() else None, samples, matrix[0])  # most drives never look at it
+    looks = np.where(needs, 2 if len(track) else 1, 0)
     starts = np.tile(_start(x0), (len(matrix), 1))
     out = np.empty((len(matrix), samples.size, OUTPUTS))
     times, left, right = drive.padded(samples[0])
