@@ -14,6 +14,8 @@ from fsm_calib.machines.supervisor import PHASES
 from fsm_calib.scenario.load import load_scenario, scenario_from
 from fsm_calib.scenario.schema import schema_text
 from fsm_calib.scenario.section import field_texts, mirror
+from fsm_calib.scenario.settings import actions_of, limits_of
+from fsm_calib.scenario.world import world_of
 from fsm_calib.scenario.yaml_source import parse_yaml
 
 SCENARIOS = Path(fsm_calib.__file__).parent.parent / "scenarios"
@@ -148,3 +150,30 @@ def test_errors_of_one_file_are_one_exception() -> None:
     with pytest.raises(ManyErrors) as caught:
         scenario_from(parse_yaml(WRONG, "s.yaml"))
     assert len(caught.value.errors) == 8
+
+
+@pytest.mark.parametrize(
+    ("text", "distance"),
+    [
+        ("", 1.2),
+        ("scene: {field: {columns: 7}}", 0.7),
+        ("scene: {field: {columns: 1}}", 0.1),
+        ("scene: {field: {columns: 7}}\nactions: {drive: {distance: 0.9}}", 0.9),
+    ],
+)
+def test_drives_are_as_long_as_the_field_allows_unless_given(text: str, distance: float) -> None:
+    scenario = scenario_from(parse_yaml(f"name: drive\n{text}"))
+    found = actions_of(scenario, world_of(scenario).scene)
+    assert found.drive.distance == pytest.approx(distance)
+
+
+def test_the_published_count_of_sweeps_changes_the_machine_and_the_actions() -> None:
+    scenario = scenario_from(parse_yaml("name: sweeps\npublished: [sweep_count]"))
+    scene = world_of(scenario).scene
+    assert limits_of(scenario, scene).views_per_judgement == 0
+    assert actions_of(scenario, scene).camera.smallest_gain == 0.0
+
+
+def test_the_scans_threshold_is_one_line_of_a_scenario() -> None:
+    scenario = scenario_from(parse_yaml("name: half\nactions: {camera: {target_px: 0.5}}"))
+    assert actions_of(scenario, world_of(scenario).scene).camera.target_px == 0.5

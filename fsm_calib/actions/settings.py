@@ -82,8 +82,8 @@ class RatioSettings:
     combine_within : float
         Drives with |k_i - 1| below this enter the combination [1].
     largest_error : float
-        A drive is quiet only when the combined k has at most this standard error [1]; 0.001 is 0.02 m after 2
-        m.
+        A drive is quiet only when the combined k has at most this standard error [1]; 0.0006 is 0.012 m
+        after 2 m.
     run_scatter : float
         Expected scatter of the mismatch from drive to drive, over 1 m [1]; longer drives average it out.
     least_ratio : float
@@ -100,7 +100,7 @@ class RatioSettings:
     share: float = 0.5
     combine: bool = True
     combine_within: float = 0.04
-    largest_error: float = 0.001
+    largest_error: float = 0.0006
     run_scatter: float = 0.0023
     least_ratio: float = 0.5
     published_radius: float = 0.066

@@ -113,11 +113,10 @@ def _field(field: dataclasses.Field, details: Mapping[str, Any]) -> Any:
 
 
 def _section_value(value: Any) -> Any:
-    """Return a dataclass value as its section; other values as they are."""
+    """Return a dataclass value as its section, of which nothing counts as given; other values as they are."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return mirror_of(type(value)).model_construct(
-            **{field.name: _section_value(getattr(value, field.name)) for field in dataclasses.fields(value)}
-        )
+        inner = {item.name: _section_value(getattr(value, item.name)) for item in dataclasses.fields(value)}
+        return mirror_of(type(value)).model_construct(_fields_set=set(), **inner)
     if isinstance(value, tuple):
         return tuple(_section_value(item) for item in value)
     return value

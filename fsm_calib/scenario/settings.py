@@ -13,7 +13,11 @@ from fsm_calib.machines.limits import PUBLISHED as PUBLISHED_LIMITS
 from fsm_calib.machines.limits import Limits
 from fsm_calib.machines.limits import with_published as limits_as_published
 from fsm_calib.scenario.models import Scenario
-from fsm_calib.world2d.scene import BoardPlacement, SceneSpec
+from fsm_calib.world2d.scene import BoardPlacement, MarkerField, SceneSpec
+
+MARKERS_AHEAD = 0.35
+"""So much of the field must lie ahead of the robot at the end of a drive [m]: the camera sees the floor from about 0.15
+m on, and two columns of markers, 0.15 m apart, in what is left."""
 
 
 def limits_of(scenario: Scenario, scene: SceneSpec) -> Limits:
@@ -33,14 +37,17 @@ def board_ahead(boards: tuple[BoardPlacement, ...]) -> int:
 def actions_of(scenario: Scenario, scene: SceneSpec) -> ActionSettings:
     """Return the actions' settings; what the area's drawing tells is taken from it unless given.
 
-    That is: the form of the boards, the size of the markers, the pitch and the reserved number of the
-    lane's markers and the way from the field to the lane. A real robot's operator knows these from the
-    drawing, too.
+    That is: the form of the boards, the size of the markers, how far the field lets the robot drive, the pitch and
+    the reserved number of the lane's markers and the way from the field to the lane. A real robot's operator knows
+    these from the drawing, too.
     """
     section = scenario.actions
     settings: ActionSettings = section.build(board=_board(scenario, scene))
     if scene.field is not None and "size" not in section.marker.model_fields_set:
         settings = replace(settings, marker=replace(settings.marker, size=scene.field.size))
+    if scene.field is not None and "distance" not in section.drive.model_fields_set:
+        distance = max(min(settings.drive.distance, field_reach(scene.field)), settings.drive.shortest)
+        settings = replace(settings, drive=replace(settings.drive, distance=distance))
     if scene.road is not None:
         drawn = {"advance": scene.exit_advance, "marker_pitch": scene.road.marker_pitch}
         given = section.lane.model_fields_set
@@ -49,6 +56,11 @@ def actions_of(scenario: Scenario, scene: SceneSpec) -> ActionSettings:
         if "lane_first" not in section.marker.model_fields_set:
             settings = replace(settings, marker=replace(settings.marker, lane_first=scene.road.first_id))
     return actions_as_published(settings, *(name for name in scenario.published if name in PUBLISHED_ACTIONS))
+
+
+def field_reach(field: MarkerField) -> float:
+    """Return how far a robot at the area's origin may drive over the field with markers left ahead of it [m]."""
+    return abs(field.last_x) - MARKERS_AHEAD
 
 
 def _board(scenario: Scenario, scene: SceneSpec) -> object:
