@@ -75,9 +75,14 @@ def test_the_reason_names_the_quantity():
 
 def test_effects_of_a_place_may_leave_more():
     everywhere = Contest(-5.0, (), 60.0, ("braking",), 1000.0)
-    at_a_place = Contest(-5.0, (), 60.0, ("braking",), 1000.0, local=True)
+    at_a_place = Contest(-5.0, (), 60.0, ("braking",), 1000.0, loose=True)
     assert everywhere.misshapen(DEFAULT_GATES)
     assert not at_a_place.misshapen(DEFAULT_GATES)
+
+
+def test_what_forms_add_to_a_name_does_not_replace_it():
+    assert not Contest(40.0, (), 60.0, ("the speed",), 1000.0, loose=True).replaceable(DEFAULT_GATES)
+    assert Contest(40.0, ("the speed",), -3.0, (), 1000.0).replaceable(DEFAULT_GATES)
 
 
 def test_a_place_that_covers_the_floor_is_none():
@@ -106,13 +111,13 @@ def test_the_linear_model_finds_the_least_squares_solution():
     columns = rng.normal(size=(500, 3)) * [1.0, 10.0, 0.1]
     truth = np.array([0.3, -0.02, 2.0])
     model = Linear(columns @ truth, columns, np.zeros(3), np.zeros(3), 1e6)
-    left, _ = model.solved()
+    left, _, _ = model.solved()
     assert np.abs(left).max() < 1e-5
 
 
 def test_a_prior_holds_a_number_that_the_data_do_not_know():
     column = np.full((10, 1), 1e-6)
     model = Linear(np.full(10, 1.0), column, np.array([0.2]), np.array([0.1]), 1e6)
-    _, score = model.solved()
-    without = Linear(np.full(10, 1.0), column, np.array([0.0]), np.array([0.1]), 1e6).solved()[1]
+    _, _, score = model.solved()
+    without = Linear(np.full(10, 1.0), column, np.array([0.0]), np.array([0.1]), 1e6).solved()[2]
     assert score == pytest.approx(without, abs=1e-3)

@@ -38,7 +38,8 @@ NEW = 0.02  # of a column's length that the columns before it must leave
 class Contest:
     """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
 
-    explained : evidence of the name over the base robot; local : the effect is bound to a place or a moment.
+    explained : evidence of the name over the base robot; loose : no exact equation can be had (a place, a moment, a
+    robot that turns velocities into wheel commands by a controller of its own).
     """
 
     instead: float
@@ -46,12 +47,12 @@ class Contest:
     beside: float
     beside_quantities: tuple[str, ...]
     explained: float
-    local: bool = False
+    loose: bool = False
 
     def allowed(self, gates: Gates) -> float:
         """Return the evidence that forms beside the name may have, since equations are inexact."""
         return max(
-            gates.form_beside, (gates.local_share if self.local else gates.form_share) * self.explained
+            gates.form_beside, (gates.loose_share if self.loose else gates.form_share) * self.explained
         )
 
     def misshapen(self, gates: Gates) -> bool:
@@ -59,8 +60,8 @@ class Contest:
         return self.beside > self.allowed(gates)
 
     def replaceable(self, gates: Gates) -> bool:
-        """Return whether forms do as well without the name."""
-        return self.instead >= gates.form_instead
+        """Return whether forms do as well without the name; what they add to it is no argument against it."""
+        return self.instead - max(self.beside, 0.0) >= gates.form_instead
 
     def reason(self, gates: Gates, name: str) -> str:
         """Return in words why the name does not win."""
@@ -102,8 +103,10 @@ class Linear:
             spread=np.append(self.spread, 0.0),
         )
 
-    def solved(self) -> tuple[FloatArray, float]:
-        """Return the residual and the score (log-likelihood up to a constant, priors included) at the best numbers."""
+    def solved(self) -> tuple[FloatArray, FloatArray, float]:
+        """Return residual, distance from the priors' centres, and score (log-likelihood up to a constant, priors
+        included) at the best numbers.
+        """
         scale = np.maximum(np.linalg.norm(self.columns, axis=0), 1e-12)
         x, has_prior = self.columns / scale, self.spread > 0.0
         weight = np.where(has_prior, 1.0 / np.where(has_prior, self.spread, 1.0) ** 2, 0.0)
@@ -114,7 +117,7 @@ class Linear:
             numbers = np.linalg.solve(normal, weighted.T @ self.residual - weight * self.offset / scale)
         left = self.residual - x @ numbers
         off = self.offset + numbers / scale
-        return left, _log_likelihood(left, self.nu) - 0.5 * float(np.sum(weight * off * off))
+        return left, off, _log_likelihood(left, self.nu) - 0.5 * float(np.sum(weight * off * off))
 
 
 def _log_likelihood(white: FloatArray, nu: float) -> float:
@@ -140,8 +143,10 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
     _, more = _climb(named, pool, MOST_BESIDE)
     beside = [2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(more)]
     explained = 2.0 * (fit.score - parent.score) - (len(fit.slots) - base) * log_n
-    local = any(registry()[name].scan for name in effects)
-    return Contest(*_best(instead, path, pool), *_best(beside, more, pool), explained, local)
+    loose = any(registry()[name].scan for name in effects) or any(
+        s.prepared.recording.command is None for s in engine.simulators
+    )
+    return Contest(*_best(instead, path, pool), *_best(beside, more, pool), explained, loose)
 
 
 def switched_off(values: FloatArray, effects: Sequence[str]) -> FloatArray:
@@ -181,22 +186,32 @@ def _pool(blocks: Sequence[tuple[str, FloatArray]]) -> Pool:
 
 def _climb(model: Linear, pool: Pool, most: int) -> tuple[float, list[tuple[int, float]]]:
     """Return the score without forms, and form by form (place in the pool, score won so far)."""
-    residual, begun = model.solved()
-    span, _ = np.linalg.qr(model.columns / np.maximum(np.linalg.norm(model.columns, axis=0), 1e-12))
-    free = pool.columns - span @ (span.T @ pool.columns)
+    residual, off, begun = model.solved()
     path: list[tuple[int, float]] = []
     for _ in range(most):
-        length = np.linalg.norm(free, axis=0)
-        score = np.abs(free.T @ (residual * robust_weights(residual, model.nu)))
-        chosen = int(np.argmax(np.where(length > NEW, score / np.maximum(length, NEW), 0.0)))
-        if length[chosen] <= NEW:
+        chosen = _most_promising(model, residual, off, pool)
+        if chosen is None:
             break
         model = model.with_column(pool.columns[:, chosen])
-        residual, now = model.solved()
-        unit = free[:, chosen] / length[chosen]
-        free = free - np.outer(unit, unit @ free)
+        residual, off, now = model.solved()
         path.append((chosen, now - begun))
     return begun, path
+
+
+def _most_promising(model: Linear, residual: FloatArray, off: FloatArray, pool: Pool) -> int | None:
+    """Return the form with the largest score test, priors as rows of data; None where all are spanned already."""
+    root = np.sqrt(robust_weights(residual, model.nu))[:, None]
+    held = np.flatnonzero(model.spread > 0.0)
+    rows = np.zeros((len(held), model.columns.shape[1]))
+    rows[np.arange(len(held)), held] = 1.0 / model.spread[held]
+    stacked = np.vstack([root * model.columns, rows])
+    spanned, _ = np.linalg.qr(stacked / np.maximum(np.linalg.norm(stacked, axis=0), 1e-12))
+    weighted = np.vstack([root * pool.columns, np.zeros((len(held), pool.columns.shape[1]))])
+    free = weighted - spanned @ (spanned.T @ weighted)
+    length = np.linalg.norm(free, axis=0)
+    error = np.concatenate([root[:, 0] * residual, -off[held] / model.spread[held]])
+    score = np.where(length > NEW, np.abs(free.T @ error) / np.maximum(length, NEW), 0.0)
+    return int(np.argmax(score)) if score.any() else None
 
 
 def _best(

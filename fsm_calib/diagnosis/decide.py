@@ -51,12 +51,10 @@ class Model:
     tests: tuple[LeftOver, ...]
     contest: Contest | None = None
 
-    def sound(self, gates: Gates, *, but_shape: bool = False) -> bool:
-        """Return whether no form without a name does better than the effects (`but_shape`: may add to them)."""
+    def sound(self, gates: Gates) -> bool:
+        """Return whether no form without a name does better than the effects."""
         against = self.contest
-        return against is None or not (
-            against.replaceable(gates) or (against.misshapen(gates) and not but_shape)
-        )
+        return against is None or not (against.replaceable(gates) or against.misshapen(gates))
 
     def complaint(self, gates: Gates) -> str:
         """Return in words which form without a name does better."""
@@ -217,13 +215,14 @@ class Judge:
     def _judge(self, model: Model, base: Fit) -> tuple[Outcome, str]:
         """Pass the model through the gates."""
         left = model.adequacy
-        dominant = error_left(self.engine.simulators, base, model.fit) < self.gates.dominant
+        share = error_left(self.engine.simulators, base, model.fit)
+        dominant = share < self.gates.dominant
         if not left.passes(self.gates) and not dominant:
             return "unexplained", (
                 f"the best explanation leaves structure in {left.group} (10^-{left.surprise:.0f} by chance, "
                 f"{100 * left.share:.0f} % of what it explains)"
             )
-        if not model.sound(self.gates, but_shape=dominant):
+        if not (model.sound(self.gates) or share < self.gates.ruling):
             return "unexplained", model.complaint(self.gates)
         if model.gains and (sum(model.gains) <= 0.0 or min(model.gains) < WORST_RECORDING):
             return (

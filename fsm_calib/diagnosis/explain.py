@@ -124,7 +124,8 @@ def _unnamed(decision: Decision, gates: Gates) -> list[float]:
     against = decision.model.contest
     if against is None:
         return []
-    margins = (against.instead - gates.form_instead, against.beside - against.allowed(gates))
+    instead = against.instead - max(against.beside, 0.0)
+    margins = (instead - gates.form_instead, against.beside - against.allowed(gates))
     return [0.5 * margin / FORM_TEMPER for margin in margins]
 
 

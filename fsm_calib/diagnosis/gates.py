@@ -28,7 +28,8 @@ class Gates:
     over the horizon below which a name stands whatever finer structure is left (real trackers and floors always
     leave some); form_instead : evidence by which forms without a name may beat the name (`contest.py`); form_beside :
     evidence that they may add to it, or form_share of the name's own, whichever is more (equations are inexact);
-    local_share : the same of places and moments, whose edges no equation draws exactly.
+    loose_share : the same of places and moments, whose edges no equation draws exactly, and of robots with a
+    controller of their own; ruling : share of the base's error below which forms have no say.
     """
 
     detect: float = 10.0
@@ -41,10 +42,11 @@ class Gates:
     unexplained_surprise: float = 4.2
     curious: float = 4.5
     dominant: float = 0.25
+    ruling: float = 0.15
     form_instead: float = 4.0
     form_beside: float = 10.0
     form_share: float = 0.02
-    local_share: float = 0.1
+    loose_share: float = 0.1
 
 
 DEFAULT_GATES = Gates()
