@@ -9,17 +9,19 @@ from typing import Literal
 
 import numpy as np
 
-from fsm_calib.diagnosis.adequacy import LeftOver, left_over, project
+from fsm_calib.diagnosis.adequacy import left_over, project
 from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names
-from fsm_calib.diagnosis.contest import Contest, contest
+from fsm_calib.diagnosis.belief import joint_confidence
+from fsm_calib.diagnosis.contest import contest
 from fsm_calib.diagnosis.crossval import held_out_gains, is_global
 from fsm_calib.diagnosis.features import feature_groups
 from fsm_calib.diagnosis.fit import Engine, Fit
-from fsm_calib.diagnosis.gates import DEFAULT_GATES, Adequacy, Gates, adequacy
+from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, adequacy, indistinguishable
 from fsm_calib.diagnosis.heldout import error_left
 from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, hypotheses_of, shown_by, with_values
 from fsm_calib.diagnosis.locate import Location, locate
+from fsm_calib.diagnosis.model import Model
 from fsm_calib.diagnosis.pairs import survivor
 from fsm_calib.diagnosis.plausible import is_plausible
 from fsm_calib.diagnosis.simulator import Simulator
@@ -34,31 +36,6 @@ WORST_RECORDING = -4.0  # log density that one recording may lose by chance when
 
 Progress = Callable[[str], None]
 Outcome = Literal["match", "explained", "unexplained"]
-
-
-@dataclass(frozen=True, eq=False)
-class Model:
-    """A base robot with zero, one or two effects.
-
-    effects, fit; adequacy : what is left; gains : what it wins on other recordings; tests : of all feature groups;
-    contest : how un-named forms do against the effects, None without effects.
-    """
-
-    effects: tuple[Ranked, ...]
-    fit: Fit
-    adequacy: Adequacy
-    gains: tuple[float, ...]
-    tests: tuple[LeftOver, ...]
-    contest: Contest | None = None
-
-    def sound(self, gates: Gates) -> bool:
-        """Return whether no form without a name does better than the effects."""
-        against = self.contest
-        return against is None or not (against.replaceable(gates) or against.misshapen(gates))
-
-    def complaint(self, gates: Gates) -> str:
-        """Return in words which form without a name does better."""
-        return self.contest.reason(gates, " and ".join(e.name for e in self.effects)) if self.contest else ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +92,7 @@ class Judge:
         model = first
         if not (first.adequacy.surprise < self.gates.curious and first.sound(self.gates)):
             model, second_ranking = self._second(first, ranking, base)
-        outcome, reason = self._judge(model, base)
+        outcome, reason = self._judge(model, base, ranking)
         return Decision(
             outcome, reason, self.engine, base, model, tuple(ranking), second_ranking, location, bank, self.seconds
         )  # fmt: skip
@@ -212,7 +189,7 @@ class Judge:
             outcome, reason, self.engine, base, plain, tuple(ranking), (), location, bank, self.seconds
         )
 
-    def _judge(self, model: Model, base: Fit) -> tuple[Outcome, str]:
+    def _judge(self, model: Model, base: Fit, ranking: Sequence[Ranked]) -> tuple[Outcome, str]:
         """Pass the model through the gates."""
         left = model.adequacy
         share = error_left(self.engine.simulators, base, model.fit)
@@ -229,6 +206,9 @@ class Judge:
                 "unexplained",
                 "the best explanation does not predict a recording that it was not fitted on",
             )
+        alone = indistinguishable(ranking, self.gates) if len(model.effects) == 1 else []
+        if alone and joint_confidence(alone, ranking, model, self.gates) < self.gates.least_confidence:
+            return "unexplained", f"{', '.join(alone)} come nearest, none of them surely enough"
         if not left.passes(self.gates):
             return "explained", f"most of the error is explained; what is left depends on {left.group}"
         return "explained", "detected, adequate and useful"

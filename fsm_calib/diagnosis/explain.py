@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from fsm_calib.diagnosis.bank import Ranked
+from fsm_calib.diagnosis.belief import confidence
 from fsm_calib.diagnosis.decide import Decision, smallest_sizes
 from fsm_calib.diagnosis.doubt import with_doubt
 from fsm_calib.diagnosis.fit import ALL_RUNS, Fit
@@ -16,9 +16,6 @@ from fsm_calib.diagnosis.verdict import ErrorTriple, Estimate, Located, NamedEff
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
-TEMPER = 3.0  # evidence gaps are divided by it: inexact equations make likelihoods over-confident (development seeds)
-FORM_TEMPER = 2.0  # the same for forms without a name
-GENERAL_DOUBT = 0.02  # share of names that were wrong on the development seeds for no visible reason
 MANOEUVRE_MENU = (
     "straights at three speeds both ways, spins at three rates, a slalom, "
     "and the suspected place on two headings"
@@ -39,7 +36,7 @@ def verdict_of(
     sets = ambiguous_sets(decision, gates)
     return Verdict(
         verdict=decision.outcome,
-        effects=tuple(_named(e, decision, i) for i, e in enumerate(effects)),
+        effects=tuple(_named(e, decision, i, gates) for i, e in enumerate(effects)),
         ambiguous=sets,
         located=located(decision),
         horizon=horizon,
@@ -95,38 +92,12 @@ def sentence(effect: Effect, numbers: dict[str, Estimate]) -> str:
     return effect.sentence.format(**said)
 
 
-def _named(ranked: Ranked, decision: Decision, order: int) -> NamedEffect:
+def _named(ranked: Ranked, decision: Decision, order: int, gates: Gates) -> NamedEffect:
     effect = registry()[ranked.name]
     numbers = estimates(ranked, decision.model.fit)
     pool = decision.ranking if order == 0 else decision.second_ranking
-    return NamedEffect(ranked.name, confidence(ranked, pool, decision), numbers, sentence(effect, numbers))
-
-
-def confidence(
-    ranked: Ranked, pool: Sequence[Ranked], decision: Decision, gates: Gates = DEFAULT_GATES
-) -> float:
-    """Return the probability that the name is right.
-
-    Tempered posterior over the rivals, nothing at all, and what has no name (`contest.py`; even odds at its gates),
-    less what left-over structure says about the equation.
-    """
-    top = max([r.evidence for r in pool if r.name == ranked.name], default=ranked.evidence)
-    others = [0.5 * (r.evidence - top) / TEMPER for r in pool if r.name != ranked.name]
-    none = -0.5 * top / TEMPER
-    share = 1.0 / (1.0 + sum(math.exp(min(x, 30.0)) for x in [*others, none, *_unnamed(decision, gates)]))
-    left = decision.model.adequacy
-    doubt = GENERAL_DOUBT + 0.3 * min(left.share, 1.0) * (left.surprise > 4.0)
-    return max(0.01, share * (1.0 - doubt))
-
-
-def _unnamed(decision: Decision, gates: Gates) -> list[float]:
-    """Return log odds of un-named forms, instead of the name and beside it, against the name."""
-    against = decision.model.contest
-    if against is None:
-        return []
-    instead = against.instead - max(against.beside, 0.0)
-    margins = (instead - gates.form_instead, against.beside - against.allowed(gates))
-    return [0.5 * margin / FORM_TEMPER for margin in margins]
+    sure = confidence(ranked.name, ranked.evidence, pool, decision.model, gates)
+    return NamedEffect(ranked.name, sure, numbers, sentence(effect, numbers))
 
 
 def ambiguous_sets(decision: Decision, gates: Gates) -> tuple[tuple[str, ...], ...]:

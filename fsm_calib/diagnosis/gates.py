@@ -29,7 +29,8 @@ class Gates:
     leave some); form_instead : evidence by which forms without a name may beat the name (`contest.py`); form_beside :
     evidence that they may add to it, or form_share of the name's own, whichever is more (equations are inexact);
     loose_share : the same of places and moments, whose edges no equation draws exactly, and of robots with a
-    controller of their own; ruling : share of the base's error below which forms have no say.
+    controller of their own; ruling : share of the base's error below which forms have no say;
+    least_confidence : probability that a name, or a set that the data cannot tell apart, must have.
     """
 
     detect: float = 10.0
@@ -43,6 +44,7 @@ class Gates:
     curious: float = 4.5
     dominant: float = 0.25
     ruling: float = 0.15
+    least_confidence: float = 0.5
     form_instead: float = 4.0
     form_beside: float = 10.0
     form_share: float = 0.02

@@ -1,0 +1,36 @@
+"""A fitted model of the recordings with what speaks for it and against it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fsm_calib.diagnosis.adequacy import LeftOver
+from fsm_calib.diagnosis.bank import Ranked
+from fsm_calib.diagnosis.contest import Contest
+from fsm_calib.diagnosis.fit import Fit
+from fsm_calib.diagnosis.gates import Adequacy, Gates
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A base robot with zero, one or two effects.
+
+    effects, fit; adequacy : what is left; gains : what it wins on other recordings; tests : of all feature groups;
+    contest : how un-named forms do against the effects, None without effects.
+    """
+
+    effects: tuple[Ranked, ...]
+    fit: Fit
+    adequacy: Adequacy
+    gains: tuple[float, ...]
+    tests: tuple[LeftOver, ...]
+    contest: Contest | None = None
+
+    def sound(self, gates: Gates) -> bool:
+        """Return whether no form without a name does better than the effects."""
+        against = self.contest
+        return against is None or not (against.replaceable(gates) or against.misshapen(gates))
+
+    def complaint(self, gates: Gates) -> str:
+        """Return in words which form without a name does better."""
+        return self.contest.reason(gates, " and ".join(e.name for e in self.effects)) if self.contest else ""
