@@ -49,6 +49,10 @@ class Contest:
     explained: float
     loose: bool = False
 
+    def numbers(self) -> dict[str, float]:
+        """Return the three evidences by name."""
+        return {"instead": self.instead, "beside": self.beside, "explained": self.explained}
+
     def allowed(self, gates: Gates) -> float:
         """Return the evidence that forms beside the name may have, since equations are inexact."""
         return max(

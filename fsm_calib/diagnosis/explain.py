@@ -48,6 +48,7 @@ def verdict_of(
         base=base_estimates(decision.model.fit),
         noise=dict(zip(NOISE_NAMES, map(float, decision.model.fit.noise.vector()), strict=True)),
         family=family_of(decision),
+        unnamed=decision.model.contest.numbers() if decision.model.contest else {},
         smallest_seen=_smallest(decision, gates) if decision.outcome == "match" else {},
         seconds=dict(decision.seconds),
     )

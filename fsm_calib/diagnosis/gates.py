@@ -27,7 +27,8 @@ class Gates:
     curious : surprise after a first name above which a second is looked for; dominant : share of the base's error
     over the horizon below which a name stands whatever finer structure is left (real trackers and floors always
     leave some); form_instead : evidence by which forms without a name may beat the name (`contest.py`); form_beside :
-    evidence that they may add to it, or form_share of the name's own, whichever is more (equations are inexact);
+    evidence that they may add to it, or form_share of the name's own, whichever is more (an equation that is exact
+    to a fifth of the effect leaves a 25th of its likelihood);
     loose_share : the same of places and moments, whose edges no equation draws exactly, and of robots with a
     controller of their own; ruling : share of the base's error below which forms have no say;
     least_confidence : probability that a name, or a set that the data cannot tell apart, must have.
@@ -47,7 +48,7 @@ class Gates:
     least_confidence: float = 0.5
     form_instead: float = 4.0
     form_beside: float = 10.0
-    form_share: float = 0.02
+    form_share: float = 0.04
     loose_share: float = 0.1
 
 

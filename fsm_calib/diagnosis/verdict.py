@@ -61,7 +61,7 @@ class Rival:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """All that `diagnose` says."""
+    """All that `diagnose` says; unnamed : evidence of forms without a name against the effects (`contest.py`)."""
 
     verdict: VerdictName
     effects: tuple[NamedEffect, ...]
@@ -76,6 +76,7 @@ class Verdict:
     base: dict[str, Estimate]
     noise: dict[str, float]
     family: str = ""
+    unnamed: dict[str, float] = field(default_factory=dict)
     smallest_seen: dict[str, Estimate] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
 
@@ -111,6 +112,7 @@ class Verdict:
                 "noise": {name: _number(value) for name, value in self.noise.items()},
             },
             "rivals": [{"name": r.name, "evidence_gap": _number(r.evidence_gap)} for r in self.rivals],
+            "unnamed": {name: _number(value) for name, value in self.unnamed.items()},
             "next_manoeuvre": self.next_manoeuvre,
             "smallest_seen": _estimates(self.smallest_seen),
             "seconds": _number(sum(self.seconds.values())),
