@@ -165,6 +165,10 @@ class Sensor:
     effect: Change = field(default_factory=dict)
 
 
+ROTOR_INERTIA = (1.3e-4, 3.9e-4)
+"""kg m2 at the wheel: rotors of 130-size motors, 6 g within 7 mm (1.2e-7 kg m2), behind 48:1 gears, by half either way."""
+
+
 def draw_base(g: np.random.Generator) -> Physics:
     """A plain robot from the fleet: unequal gains, its own motors, tyres, axle and random disturbance."""
     return Physics()._replace(
@@ -180,6 +184,7 @@ def draw_base(g: np.random.Generator) -> Physics:
         ou_force=g.uniform(0.006, 0.06),
         ou_moment=g.uniform(0.0003, 0.003),
         ou_tau=g.uniform(0.12, 0.7),
+        rotor_inertia=g.uniform(*ROTOR_INERTIA),
     )
 
 
