@@ -28,30 +28,48 @@ def is_global(hypothesis: Hypothesis) -> bool:
 def held_out_gains(engine: Engine, parent: Fit, fit: Fit) -> list[float]:
     """Return, for each recording, the log density that `fit`'s effects win over `parent` when fitted on the others.
 
-    The effects' numbers come from the other recordings; what `parent` has free too (the base robot) is a nuisance
-    and fitted again on the recording itself, on both sides: a drive that cannot tell the axle from the wheels has no
-    veto. Numbers that belong to one recording (a phase) are fitted on it, too. Empty with fewer than two recordings.
+    The base robot comes from the others, too; where the effects then win nothing, it is fitted again on the recording
+    itself, on both sides, and the larger gain counts: a drive that cannot tell the axle from the wheels has no veto,
+    nor has one so short that a base robot of its own explains it. Numbers that belong to one recording (a phase) are
+    fitted on it. Empty with fewer than two recordings.
     """
     runs = len(engine.simulators)
     if runs < 2:
         return []
-    return [_density(engine, parent, fit, run) - _density(engine, parent, parent, run) for run in range(runs)]
+    return [_gain(engine, parent, fit, run) for run in range(runs)]
 
 
-def _density(engine: Engine, parent: Fit, fit: Fit, test: int) -> float:
-    """Return the log density of recording `test` with the effects of `fit` as the other recordings have them."""
-    values = fit.values[test : test + 1].copy()
+def _gain(engine: Engine, parent: Fit, fit: Fit, test: int) -> float:
+    before, after = _learnt(engine, parent, test), _learnt(engine, fit, test)
     common = {slot.place for slot in parent.slots}
+    gain = _density(engine, fit, after, test, set()) - _density(engine, parent, before, test, set())
+    if gain > 0.0:
+        return gain
+    own = _density(engine, fit, after, test, common) - _density(engine, parent, before, test, common)
+    return max(gain, own)
+
+
+def _learnt(engine: Engine, fit: Fit, test: int) -> FloatArray:
+    """Return the parameters (1, p) of recording `test` with what all recordings share fitted on the others."""
     others = [i for i in range(len(engine.simulators)) if i != test]
-    learnt = [s for s in fit.slots if s.place not in common and s.run == ALL_RUNS]
-    if learnt:
-        train = Engine(tuple(engine.simulators[i] for i in others))
-        fitted = train.fit(fit.values[others], _slots_for(fit.slots, others), fit.noise, steps=STEPS)
-        for slot in learnt:
+    train = Engine(tuple(engine.simulators[i] for i in others))
+    fitted = train.fit(fit.values[others], _slots_for(fit.slots, others), fit.noise, steps=STEPS)
+    values = fit.values[test : test + 1].copy()
+    for slot in fit.slots:
+        if slot.run == ALL_RUNS:
             values[0, slot.place] = fitted.values[0, slot.place]
+    return values
+
+
+def _density(engine: Engine, fit: Fit, values: FloatArray, test: int, free: set[int]) -> float:
+    """Return the log density of recording `test` at `values` (1, p), fitting its own numbers and the places `free`."""
     alone = Engine((engine.simulators[test],))
-    nuisance = [s for s in _slots_for(fit.slots, [test]) if s.place in common or s.run != ALL_RUNS]
-    return alone.fit(values, nuisance, fit.noise, steps=STEPS).log_likelihood
+    own = [s for s in _slots_for(fit.slots, [test]) if s.place in free or s.place in _own_places(fit, test)]
+    return alone.fit(values, own, fit.noise, steps=STEPS if own else 0).log_likelihood
+
+
+def _own_places(fit: Fit, run: int) -> set[int]:
+    return {slot.place for slot in fit.slots if slot.run == run}
 
 
 def _slots_for(slots: Sequence[Slot], runs: Sequence[int]) -> list[Slot]:
