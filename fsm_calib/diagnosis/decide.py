@@ -177,14 +177,19 @@ class Judge:
         self, plain: Model, base: Fit, ranking: Sequence[Ranked], location: Location, bank: Bank
     ) -> Decision:
         """No effect is detected: a match, or a mismatch that nothing in the catalogue resembles."""
-        surprise = plain.adequacy.surprise
-        odd = surprise > self.gates.unexplained_surprise
-        outcome: Outcome = "unexplained" if odd else "match"
-        reason = (
-            f"the residual depends on {plain.adequacy.group} (10^-{surprise:.0f} by chance), no effect explains it"
-            if odd
-            else "the re-fitted base robot explains the recordings to within their noise"
-        )
+        left, against = plain.adequacy, contest(self.engine, base, base, [])
+        plain = replace(plain, contest=against)
+        outcome: Outcome = "match"
+        reason = "the re-fitted base robot explains the recordings to within their noise"
+        if left.surprise > self.gates.unexplained_surprise:
+            outcome = "unexplained"
+            reason = f"the residual depends on {left.group} (10^-{left.surprise:.0f} by chance), no effect explains it"
+        elif not against.loose and against.misshapen(self.gates):
+            outcome = "unexplained"
+            reason = (
+                f"the robot's speeds depend on {' and '.join(against.beside_quantities)} "
+                f"(evidence {against.beside:.0f}), no effect explains it"
+            )
         return Decision(
             outcome, reason, self.engine, base, plain, tuple(ranking), (), location, bank, self.seconds
         )

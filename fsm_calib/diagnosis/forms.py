@@ -177,6 +177,19 @@ def _heading(f: Frame) -> FloatArray:
     return np.concatenate([f.forward(waves * moving), f.forward(waves * sign(f.s.v)[:, None])], axis=2)
 
 
+def _place(f: Frame) -> FloatArray:
+    """Return the forward part of a field that grows linearly with the place: a bowl, a slope that bends, a spring."""
+    moving = np.clip((np.abs(f.s.v) + f.s.half * np.abs(f.s.omega)) / DRY_SPEED, 0.0, 1.0)
+    along, across = np.cos(f.s.heading) * moving, np.sin(f.s.heading) * moving
+    return f.forward(np.column_stack([a * b for a in (along, across) for b in (f.s.x, f.s.y)]))
+
+
+def _wound(f: Frame) -> FloatArray:
+    """Return what a cable or a spring does that is wound up by turning."""
+    turned = f.s.heading - f.s.heading[0]
+    return f.turn(np.column_stack([np.ones(len(turned)), powers(turned, 2)]) / f.s.half)
+
+
 def _lateness(f: Frame) -> FloatArray:
     """Return what arrives late: forward and turning apart, together, and by the sensor's clock alone."""
     late = np.hstack([np.ones((len(f.s.dt), 1)), powers(f.s.time / MINUTE, 2)])
@@ -217,6 +230,8 @@ RECIPES: dict[str, Callable[[Frame], FloatArray]] = {
     "the speed": _speed,
     "speed and turning together": _curves,
     "the heading": _heading,
+    "the place": _place,
+    "the turns made": _wound,
     "how late it arrives": _lateness,
     "the time since a command": _after_command,
     "the way since a reversal": _after_reversal,

@@ -23,7 +23,7 @@ class Gates:
     group that is still noise; share : left-over log-likelihood over explained below which the equation may be
     inexact but the name stands; rival : evidence gap below which two names are one set; second : evidence that a
     second effect needs, and second_share of the first's (an inexact equation leaves a little for another to
-    take); unexplained_surprise : surprise above which recordings without a name are no match;
+    take); unexplained_surprise : surprise above which recordings without a name are no match (or form_beside);
     curious : surprise after a first name above which a second is looked for; dominant : share of the base's error
     over the horizon below which a name stands whatever finer structure is left (real trackers and floors always
     leave some); form_instead : evidence by which forms without a name may beat the name (`contest.py`); form_beside :
@@ -49,7 +49,7 @@ class Gates:
     form_instead: float = 4.0
     form_beside: float = 10.0
     form_share: float = 0.04
-    loose_share: float = 0.1
+    loose_share: float = 0.15
 
 
 DEFAULT_GATES = Gates()
