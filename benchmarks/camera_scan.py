@@ -21,10 +21,7 @@ import cv2
 import numpy as np
 from camera_runs import BOARD, LAYOUTS, SIZE, hand_held, scan
 
-from fsm_calib.actions.judging import stop_rule
-from fsm_calib.actions.settings import CameraSettings
-from fsm_calib.machines.limits import Limits
-from fsm_calib.perception.information import begin_scan, is_enough, solve_scan, weigh_view
+from fsm_calib.perception.information import StopRule, begin_scan, is_enough, solve_scan, weigh_view
 from fsm_calib.perception.intrinsics import calibrate
 from fsm_calib.perception.prediction import projection_difference
 from fsm_calib.perception.static_boards import calibrate_static, frames_of
@@ -32,22 +29,23 @@ from fsm_calib.types import BoardView
 from fsm_calib.world2d.fleet import RobotSpec, draw_robot
 
 COUNTS = (6, 8, 12, 16, 23, 32, 45, 64, 90)  # views after which prediction and truth are compared
+HALF_PIXEL = StopRule(predicted_px=0.5, views_per_board=8, views=15, smallest_gain=0.005)
 WITHIN = 2.5  # the prediction's bar: true error at most this many times the predicted one
 
 
 def informed(views: list[BoardView], boards: int) -> tuple[list[BoardView], bool]:
-    """Return the views that the scan would have kept by what they add, and whether its stop rule was reached."""
-    rule, limits = stop_rule(CameraSettings()), Limits()
+    """Return the views that a scan keeps until it predicts 0.5 px twice in a row, and whether it came to that."""
     progress, kept, precise = begin_scan(SIZE, boards), [], 0
-    for count, view in enumerate(views, start=1):
-        weighed = weigh_view(view, BOARD, progress, rule)
-        if weighed.is_wanted:
-            kept.append(view)
-            progress = weighed.progress
-        if count % limits.views_per_judgement == 0:
+    for view in views:
+        weighed = weigh_view(view, BOARD, progress, HALF_PIXEL)
+        if not weighed.is_wanted:
+            continue
+        kept.append(view)
+        progress = weighed.progress
+        if len(kept) % 5 == 0:
             progress = solve_scan(kept, BOARD, progress)
-            precise = precise + 1 if is_enough(progress, rule) else 0
-            if precise >= limits.precise_judgements:
+            precise = precise + 1 if is_enough(progress, HALF_PIXEL) else 0
+            if precise == 2:
                 return kept, True
     return kept, False
 

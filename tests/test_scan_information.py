@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from fsm_calib.actions import ActionSettings, Bench, Notebook, with_published
 from fsm_calib.actions.judging import ADDS_TOO_LITTLE, judge_views, offer_view
 from fsm_calib.actions.settings import CameraSettings
 from fsm_calib.actions.solving import solve_camera
+from fsm_calib.cli_run import summary
 from fsm_calib.perception.information import (
     ScanProgress,
     StopRule,
@@ -25,6 +27,7 @@ from fsm_calib.perception.information import (
 )
 from fsm_calib.perception.lens import camera_model
 from fsm_calib.perception.prediction import GRID, ImageError, projection_difference
+from fsm_calib.report.camera_words import scan_verdict
 from fsm_calib.types import BoardView
 
 VIEWS = scanned(0.05)
@@ -157,3 +160,31 @@ def test_the_final_solve_says_whether_the_target_was_reached_and_what_to_do(
     assert figures.weakest
     assert bool(figures.advice) == (trigger == "camera_imprecise")
     assert ("not reached" in outcome.sentence) == (trigger == "camera_imprecise")
+
+
+CAMERA = {
+    "predicted_px": 0.31,
+    "target_px": 0.2,
+    "weakest_part": "top left",
+    "advice": "Lean one board back.",
+}
+
+
+@pytest.mark.parametrize(
+    ("reached", "words"),
+    [
+        (True, "Reached: predicted error 0.310 px, 0.2 px asked for; least certain at the top left."),
+        (False, "Not reached: predicted error 0.310 px, 0.2 px asked for. Lean one board back."),
+        (None, ""),
+    ],
+)
+def test_a_run_says_whether_its_scan_reached_what_was_asked_for(reached: bool | None, words: str) -> None:
+    assert scan_verdict({**CAMERA, "reached": reached}) == words
+
+
+def test_the_terminal_names_a_target_that_was_not_reached() -> None:
+    camera = {**CAMERA, "reached": False, "true_px": 0.2, "rms_px": 0.05, "views_used": 22}
+    seconds = {"simulated": 1.0, "wall": 1.0, "by_part": {}}
+    result = {"outcome": "done", "camera": camera, "wheels": None, "in_lane": None, "seconds": seconds}
+    assert "Not reached: predicted error 0.310 px" in summary(result, Path("out"))
+    assert "reached" not in summary({**result, "camera": {**camera, "reached": True}}, Path("out"))

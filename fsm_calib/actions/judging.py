@@ -70,8 +70,8 @@ def judge_views(bench: Bench) -> Outcome:
         "fewest_views": fewest,
     }
     sentence = (
-        f"{progress.views} views, at least {fewest} of a board: {predicted:.2f} px predicted error,"
-        f" {rule.predicted_px:.2f} px asked for."
+        f"{progress.views} views, at least {fewest} of a board: {predicted:.3f} px predicted error,"
+        f" {rule.predicted_px:.3g} px asked for."
     )
     return Outcome("views_judged", evidence, sentence)
 

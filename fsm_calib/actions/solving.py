@@ -38,8 +38,8 @@ def solve_camera(bench: Bench) -> Outcome:
         "views": result.views_used,
         "views_refused": notebook.views_refused,
     }
-    asked = f"{rule.predicted_px:.2f} px asked for" + ("" if is_reached else ": not reached")
-    sentence = f"{result.views_used} views: {result.predicted_px:.2f} px predicted error, {asked}."
+    asked = f"{rule.predicted_px:.3g} px asked for" + ("" if is_reached else ": not reached")
+    sentence = f"{result.views_used} views: {result.predicted_px:.3f} px predicted error, {asked}."
     return Outcome("camera_solved" if is_reached else "camera_imprecise", evidence, sentence, cure)
 
 

@@ -32,7 +32,7 @@ def scan_verdict(camera: Mapping[str, Any]) -> str:
     """
     if camera.get("reached") is None:
         return ""
-    figures = f"predicted error {camera['predicted_px']:.2f} px, {camera['target_px']:.2g} px asked for"
+    figures = f"predicted error {camera['predicted_px']:.3f} px, {camera['target_px']:.3g} px asked for"
     if camera["reached"]:
         return f"Reached: {figures}; least certain at the {camera['weakest_part']}."
     return f"Not reached: {figures}. {camera['advice']}"
