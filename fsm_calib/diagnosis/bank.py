@@ -69,25 +69,23 @@ class Bank:
     parent: Fit
     prober: Prober
     scanner: Scanner
-    wanted: float = 0.0
 
     @classmethod
     def on(cls, engine: Engine, parent: Fit, wanted: float = 0.0) -> Bank:
         """Prepare probing and scanning; what stays far below the evidence `wanted` is not fitted to the end."""
-        residual = residual_of(engine, parent)
+        residual, worth = residual_of(engine, parent), 0.5 * FAR_BELOW * wanted
         situations = [situation(s, v) for s, v in zip(engine.simulators, parent.values, strict=True)]
         return cls(
             engine,
             parent,
             Prober(engine.simulators, parent, residual),
-            Scanner(engine.simulators, situations, parent, residual),
-            wanted,
+            Scanner(engine.simulators, situations, parent, residual, worth),
         )
 
     @property
     def _worth(self) -> float:
         """The log-likelihood that a fit must win before it is worth more time."""
-        return max(HOPELESS, 0.5 * FAR_BELOW * self.wanted)
+        return max(HOPELESS, self.scanner.worth)
 
     def rank(self, effects: Iterable[Effect], progress: Progress = lambda name: None) -> list[Ranked]:
         """Fit all effects in all their forms; return the best form of each, largest evidence first."""
@@ -153,7 +151,7 @@ class Bank:
         best = max((c.promise for c in candidates), default=0.0)
         wanted = max(WORTH_FITTING * best, min(best, FAINT))
         for candidate in candidates:
-            if candidate.promise < wanted:
+            if candidate.promise < wanted or self.scanner.hopeless(candidate.promise):
                 continue
             for names in effect.variants or (tuple(p.name for p in effect.parameters if p.fitted),):
                 given = {n.split(".")[1] for n in candidate.changes}

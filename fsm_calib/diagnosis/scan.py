@@ -36,6 +36,7 @@ SPAN_STEP = 1.5  # s between candidate begins and ends of a span
 PUSH_STEP = 0.25  # s between candidate kicks
 PUSH_LENGTH = 0.25  # s
 KEEP = 3
+GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
 CHUNK = 96
 MARKER_TURN = 0.05  # rad, small enough to be linear
 
@@ -51,29 +52,39 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Scanner:
-    """Scans against one parent fit."""
+    """Scans against one parent fit; worth : log-likelihood below which nobody will ask for a candidate."""
 
     simulators: tuple[Simulator, ...]
     situations: list[Situation]
     parent: Fit
     residual: Residual
+    worth: float = 0.0
+
+    def hopeless(self, promise: float) -> bool:
+        """Return whether a candidate promises too little even if it still grows."""
+        return GROWTH * promise < self.worth
 
     def scores(self, blocks: Sequence[FloatArray], width: int) -> tuple[FloatArray, FloatArray]:
         """Return promise (c,) and amplitudes (c, width) of candidates with `width` adjacent columns each."""
         total = blocks[0].shape[2]
-        promise, amplitude = np.zeros(total // width), np.zeros((total // width, width))
-        for begin in range(0, total, CHUNK * width):
-            part = slice(begin, min(total, begin + CHUNK * width))
-            x = project(self.residual, [b[:, :, part] for b in blocks])
-            score = x.T @ self.residual.psi
-            for i in range(x.shape[1] // width):
-                own = slice(i * width, (i + 1) * width)
-                gram = x[:, own].T @ x[:, own]
-                gram += 1e-9 * max(float(np.trace(gram)), 1e-12) * np.eye(width)
-                solved = np.linalg.solve(gram, score[own])
-                promise[begin // width + i] = 0.5 * float(score[own] @ solved)
-                amplitude[begin // width + i] = solved
-        return promise, amplitude
+        parts = [slice(i, min(total, i + CHUNK * width)) for i in range(0, total, CHUNK * width)]
+        found = [self._scores([b[:, :, part] for b in blocks], width) for part in parts]
+        return np.concatenate([p for p, _ in found]), np.concatenate([a for _, a in found])
+
+    def _scores(self, blocks: Sequence[FloatArray], width: int) -> tuple[FloatArray, FloatArray]:
+        """Return `scores` of a chunk; projected products come from the products of what is projected out."""
+        r = self.residual
+        white = r.engine.white_columns(r.whiteners, blocks)
+        inside = r.basis.T @ white
+        score = (white.T @ r.psi - inside.T @ (r.basis.T @ r.psi)).reshape(-1, width)
+        by_candidate = white.reshape(len(white), -1, width), inside.reshape(len(inside), -1, width)
+        whole, lost = (np.einsum("nci,ncj->cij", part, part, optimize=True) for part in by_candidate)
+        gram = whole - lost
+        size = np.maximum(np.trace(gram, axis1=1, axis2=2), 1e-12)
+        solved = np.linalg.solve(gram + 1e-9 * size[:, None, None] * np.eye(width), score[:, :, None])[
+            :, :, 0
+        ]
+        return 0.5 * np.sum(score * solved, axis=1), solved
 
     def places(self) -> FloatArray:
         """Return candidate centres (m, 2) [m]."""
@@ -108,6 +119,8 @@ class Scanner:
         promise, _ = judge(areas)
         found = []
         for area in apart(areas, promise, KEEP, 1.5 * PITCH):
+            if self.hopeless(float(promise[areas.index(area)])):
+                continue
             best, gain, size = settled(area, judge)
             changes = {f"{name}.{key}": value for key, value in best.numbers(name).items()}
             if name == "misplaced_marker":
