@@ -56,7 +56,7 @@ def answers(folder: Path, places: tuple[np.ndarray, np.ndarray]) -> list[dict]:
     common = {"robot": folder.name, "floor": floor}
     said = {"names": sorted(set(names)), "verdict": verdict.verdict, "seconds": seconds}
     return [
-        {**common, "peer": BASE, "names": [], "seconds": verdict.seconds["base"], **base},
+        {**common, "peer": BASE, "names": [], **base},
         {**common, "peer": OURS, **said, **ours},
     ]
 

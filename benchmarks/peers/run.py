@@ -79,7 +79,7 @@ def row(peer: str, lines: list[dict], labels: dict[str, str], floors: dict[str, 
         share([bool(named[r]) for r in named if labels[r] == "none"]),
         share([line.get("verdict") == "unexplained" for line in outside]),
         *ratios,
-        f"{median([line['seconds'] or 0.0 for line in lines]):.1f}",
+        "part of ours" if lines[0]["peer"] == BASE else f"{median([line['seconds'] for line in lines]):.1f}",
     ]
     return f"| {peer} | {' | '.join(cells)} |"
 
