@@ -149,7 +149,7 @@ class Judge:
         cured = both.adequacy.surprise < self.gates.surprise or (
             both.adequacy.surprise < 0.5 * first.adequacy.surprise and both.adequacy.passes(self.gates)
         )
-        cured = cured and (both.sound(self.gates) or not first.sound(self.gates))
+        cured = cured and both.sound(self.gates)
         useful = not both.gains or not first.gains or sum(both.gains) > sum(first.gains)
         return (both if cured and useful else first), tuple(found)
 
