@@ -1,0 +1,93 @@
+"""What makes a fit fast must not change it: promises, bounds, remembered filters, skipped look-ups."""
+
+import numpy as np
+import pytest
+from diagnosis_robots import recording
+
+from fsm_calib.diagnosis.bank import Bank
+from fsm_calib.diagnosis.base import base_slots
+from fsm_calib.diagnosis.fit import Engine, Slot, simulate_all
+from fsm_calib.diagnosis.newton import clipped, damped_step, normal_equations, promised
+from fsm_calib.diagnosis.noise import Noise
+from fsm_calib.diagnosis.prepared import prepare
+from fsm_calib.diagnosis.simulator import make_simulator, nominal_values
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table, parameters
+from fsm_calib.world2d.rollout import active_flags, simulate_many
+
+LARGE = 1e9
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return Engine((make_simulator(prepare(recording(5, 20.0, motor_deadband__offset=0.05))),))
+
+
+@pytest.fixture(scope="module")
+def base(engine):
+    values = nominal_values(engine.simulators)[None]
+    return engine.fit(values, base_slots(engine.simulators, values[0]), Noise(), steps=4, refresh=True)
+
+
+def test_a_step_promises_what_a_quadratic_score_wins():
+    rng = np.random.default_rng(0)
+    white, residual = rng.normal(size=(200, 3)), rng.normal(size=200)
+    slots = [Slot(i, -LARGE, LARGE, 1e-3) for i in range(3)]
+    normal, gradient = normal_equations(white, residual, slots, np.zeros(3), nu=1e12)
+    step = damped_step(normal, gradient, 0.0, slots, np.zeros(3))
+    won = 0.5 * (residual @ residual - (residual - white @ step) @ (residual - white @ step))
+    assert promised(normal, gradient, step) == pytest.approx(won, rel=1e-6)
+
+
+def test_only_a_step_that_a_bound_stops_is_clipped():
+    slots = [Slot(0, 0.0, 1.0, 1e-3), Slot(1, 0.0, 1.0, 1e-3)]
+    assert clipped(slots, np.array([0.5, 0.5]), np.array([1.0, 0.6]))
+    assert not clipped(slots, np.array([0.5, 1.0]), np.array([0.6, 1.0]))
+
+
+def test_remembered_filters_and_columns_give_the_same_fit(engine, base):
+    changed = base.values.copy()
+    changed[0, parameter_table().place("motor_deadband.offset")] = 0.02
+    fresh = Engine(engine.simulators)
+    for _ in range(2):
+        again = engine.fit(changed, base.slots, base.noise, known=base.columns, steps=2)
+    alone = fresh.fit(changed, base.slots, base.noise, known=tuple(c.copy() for c in base.columns), steps=2)
+    assert again.score == alone.score
+    np.testing.assert_array_equal(again.values, alone.values)
+
+
+def test_more_noises_than_are_remembered_do_no_harm(engine, base):
+    simulated = simulate_all(engine.simulators, base.values)
+    noises = [Noise(position=0.001 * (i + 1)) for i in range(8)]
+    once = [engine.log_likelihood(engine.whiteners(n), simulated) for n in noises]
+    assert [engine.log_likelihood(engine.whiteners(n), simulated) for n in noises] == once
+
+
+def test_a_second_search_keeps_what_it_wants(engine, base):
+    effects = [registry()["motor_deadband"], registry()["sensor_yaw"]]
+    free, asked = Bank.on(engine, base).rank(effects), Bank.on(engine, base, wanted=40.0).rank(effects)
+    assert free[0].name == asked[0].name == "motor_deadband"
+    assert asked[0].evidence == pytest.approx(free[0].evidence, abs=0.1)
+
+
+def test_what_no_second_effect_could_reach_is_not_finished(engine, base):
+    (found,) = Bank.on(engine, base, wanted=1e6).rank([registry()["sensor_yaw"]])
+    assert found.evidence < 1e6
+    assert found.gain >= 0.0
+
+
+def test_flags_tell_the_active_effects():
+    table = parameter_table()
+    rows = [parameters({}), parameters({"floor_tilt.slope_y": 0.02, "sensor_yaw.yaw": 0.1})]
+    flags = active_flags(np.array(rows))
+    for row, on in zip(rows, flags, strict=True):
+        named = tuple(name for name, flag in zip(registry(), on, strict=True) if flag)
+        assert set(named) == set(table.active_effects(row))
+
+
+def test_a_path_changes_nothing_where_no_effect_asks_for_it(engine):
+    simulator = engine.simulators[0]
+    values = parameters({"motor_deadband.offset": 0.05})[None]
+    start = simulator.prepared.reference[0]
+    with_path = simulate_many(values, simulator.drive, simulator.grid, start, simulator.track)
+    np.testing.assert_array_equal(with_path, simulate_many(values, simulator.drive, simulator.grid, start))
