@@ -22,8 +22,8 @@ class Gates:
     last milliseconds of the base's own tyres and motors; surprise : -log10 p of left-over structure in any feature
     group that is still noise; share : left-over log-likelihood over explained below which the equation may be
     inexact but the name stands; rival : evidence gap below which two names are one set; second : evidence that a
-    second effect needs, and second_share of the first's (an inexact equation leaves a little for another to
-    take); unexplained_surprise : surprise above which recordings without a name are no match (or form_beside);
+    second effect needs, and second_share of the first's, as form_share (it is looked for only where the first
+    fails, and taken out again where it is not missed); unexplained_surprise : surprise above which recordings without a name are no match (or form_beside);
     curious : surprise after a first name above which a second is looked for; dominant : share of the base's error
     over the horizon below which a name stands whatever finer structure is left (real trackers and floors always
     leave some); form_instead : evidence by which forms without a name may beat the name (`contest.py`); form_beside :
@@ -39,8 +39,8 @@ class Gates:
     surprise: float = 6.0
     share: float = 0.12
     rival: float = 8.0
-    second: float = 40.0
-    second_share: float = 0.08
+    second: float = 20.0
+    second_share: float = 0.04
     unexplained_surprise: float = 4.2
     curious: float = 4.5
     dominant: float = 0.25
