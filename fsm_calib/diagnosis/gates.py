@@ -18,20 +18,25 @@ from fsm_calib.diagnosis.bank import Ranked
 class Gates:
     """Thresholds of the decision.
 
-    detect : evidence that a first name needs; detect_encoders : the same with encoders, whose likelihood sees the
-    last milliseconds of the base's own tyres and motors; surprise : -log10 p of left-over structure in any feature
-    group that is still noise; share : left-over log-likelihood over explained below which the equation may be
-    inexact but the name stands; rival : evidence gap below which two names are one set; second : evidence that a
-    second effect needs, and second_share of the first's, as form_share (it is looked for only where the first
-    fails, and taken out again where it is not missed); unexplained_surprise : surprise above which recordings without a name are no match (or form_beside);
-    curious : surprise after a first name above which a second is looked for; dominant : share of the base's error
-    over the horizon below which a name stands whatever finer structure is left (real trackers and floors always
-    leave some); form_instead : evidence by which forms without a name may beat the name (`contest.py`); form_beside :
-    evidence that they may add to it, or form_share of the name's own, whichever is more (an equation that is exact
-    to a fifth of the effect leaves a 25th of its likelihood);
-    loose_share : the same of places and moments, whose edges no equation draws exactly, and of robots with a
-    controller of their own; ruling : share of the base's error below which forms have no say;
+    Detected. detect : evidence that a first name needs; detect_encoders : the same with encoders, whose likelihood
+    sees the last milliseconds of the base's own tyres and motors; unexplained_surprise : surprise above which
+    recordings without a name are no match (or form_beside).
+
+    Adequate. surprise : -log10 p of left-over structure in any feature group that is still noise; share : left-over
+    log-likelihood over explained below which the equation may be inexact but the name stands; dominant : share of
+    the base's error over the horizon below which a name stands whatever finer structure is left (real trackers and
+    floors always leave some).
+
+    Unrivalled. rival : evidence gap below which two names are one set; form_instead : evidence by which forms without
+    a name may beat the name (`contest.py`); form_beside : evidence that they may add to it, or form_share of the
+    name's own, whichever is more (an equation that is exact to a fifth of the effect leaves a 25th of its
+    likelihood); loose_share : the same of places and moments, whose edges no equation draws exactly, and of robots
+    with a controller of their own; ruling : share of the base's error below which forms have no say;
     least_confidence : probability that a name, or a set that the data cannot tell apart, must have.
+
+    Two effects. curious : surprise after a first name above which a second is looked for, as it is where forms win;
+    second : evidence that it needs, and second_share of the first's, as form_share (it must be missed, too, when it
+    is taken out again).
     """
 
     detect: float = 10.0
