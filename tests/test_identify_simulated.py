@@ -7,6 +7,9 @@ import pytest
 from recording_samples import ROOT
 
 from fsm_calib.diagnosis.identify import identify
+from fsm_calib.diagnosis.identify_filter import sway
+from fsm_calib.diagnosis.identify_inputs import Wheels
+from fsm_calib.diagnosis.identify_likelihood import Problem, maximise
 from fsm_calib.diagnosis.identify_motion import arc, body_motion, dead_reckon, sensor_motion
 from fsm_calib.diagnosis.identify_result import Estimate, Identification, combined
 from fsm_calib.diagnosis.identify_robust import jacobian_of, robust_fit
@@ -157,3 +160,45 @@ def test_recordings_that_disagree_are_said_to():
     found = combined(parts)
     assert any("disagree about a" in note for note in found.notes)
     assert found.estimates["a"].sd == pytest.approx(0.01)
+
+
+def test_sway_agrees_with_many_small_arcs():
+    # speed and turn rate change linearly over 0.1 s: 0.2 to 0.5 m/s, 1 to 4 rad/s
+    middle = (np.arange(2000) + 0.5) / 2000
+    d, turn = (0.2 + 0.3 * middle) * 0.1 / 2000, (1.0 + 3.0 * middle) * 0.1 / 2000
+    x, y, theta = dead_reckon(d, turn, (0.0, 0.0, 0.0))
+    aside = sway(d.sum(), turn.sum(), 0.3 * 0.1, 3.0 * 0.1)
+    dx, dy = arc(np.array([d.sum()]), np.array([turn.sum()]))
+    half = theta[-1] / 2.0
+    assert np.hypot(x[-1] - dx[0], y[-1] - dy[0]) > 2e-4
+    assert (x[-1], y[-1]) == pytest.approx(
+        (dx[0] - aside * np.sin(half), dy[0] + aside * np.cos(half)), abs=1e-5
+    )
+
+
+def test_travel_between_stamps_follows_an_acceleration():
+    time = np.arange(0.0, 2.0, 0.05)
+    wheels = Wheels(time, 3.0 * time**2, 5.0 * time, "rad", "wheel_radius", "m", None, 0.03)
+    travel, gained = wheels.along(np.array([0.5, 0.525, 1.525]))
+    assert travel[:, 0] == pytest.approx([3.0 * (0.525**2 - 0.25), 3.0 * (1.525**2 - 0.525**2)], rel=1e-3)
+    assert travel[:, 1] == pytest.approx([0.125, 5.0])
+    assert gained[1] == pytest.approx([6.0, 0.0], rel=2e-3, abs=1e-9)
+
+
+def test_noise_level_counts_the_parameters_that_were_fitted():
+    # three lines of four points with a slope and an offset each: 12 numbers, 6 fitted
+    rng = np.random.default_rng(5)
+    design = np.stack([np.ones(4), np.arange(4.0)], axis=1)
+    seen = rng.normal(0.0, 0.3, (4, 3))
+
+    def run(p, used):
+        e = seen - design @ p[:6].reshape(2, 3)
+        return e, np.tile(np.eye(3) * np.exp(2.0 * p[6]), (4, 1, 1))
+
+    free, noise = np.full(8, np.inf), np.arange(8) >= 6
+    problem = Problem(
+        run, np.ones(8), np.zeros(8), np.where(np.arange(8) == 7, 1.0, free), noise, np.zeros(8)
+    )
+    found = maximise(problem, np.zeros(8), 4, spare=7).parameters[6]
+    left = seen - design @ np.linalg.lstsq(design, seen, rcond=None)[0]
+    assert np.exp(2.0 * found) == pytest.approx((left**2).sum() / (12 - 6), rel=0.05)

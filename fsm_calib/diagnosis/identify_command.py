@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from fsm_calib.diagnosis.identify_align import align
-from fsm_calib.diagnosis.identify_filter import BY_COMMANDS
+from fsm_calib.diagnosis.identify_filter import BY_COMMANDS, STEP_COLUMNS
 from fsm_calib.diagnosis.identify_inputs import Wheels
 from fsm_calib.diagnosis.identify_pose import Parameter, PoseFit, fit_pose, thinned
 from fsm_calib.errors import DataError
@@ -72,7 +72,7 @@ class CommandMotion:
         held = times[:-1]
         left, right = held_at(held, self.time, self.left), held_at(held, self.time, self.right)
         forward, turn = self._asked(left, right, p)
-        steps = np.zeros((len(times), 5))
+        steps = np.zeros((len(times), STEP_COLUMNS))
         steps[1:, 0], steps[1:, 1], steps[1:, 2] = np.diff(times), forward, turn
         steps[1:, 3] = self._stale(held)
         return steps

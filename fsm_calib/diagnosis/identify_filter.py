@@ -6,9 +6,16 @@ Between events of `steps`, with duration h:
     driven by commands:   v(t) = V + (v0 - V) exp(-t / tau_f),   w(t) = W + (w0 - W) exp(-t / tau_t)
     driven by wheels:     path d and turn dtheta of the interval were measured
 
-V, W [m/s, rad/s]: what the command asks for. The pose moves on the arc of the interval. Noise of commands:
+V, W [m/s, rad/s]: what the command asks for. The pose moves on the arc of the interval and, where speed and
+turn rate change in it, to the left by its sway
+
+    (dtheta dv - d dw) h / 12        dv, dw [m/s, rad/s]: gained over the interval
+
+(second order of int v(t) sin(theta(t) - theta(h/2)) dt for v, w linear in t; without it, paths of changing
+curvature come out too long, and lengths fitted to them too short). Noise of commands:
 white accelerations of spectral density q_f [m2/s3] and q_t [rad2/s3]; of wheels: variances q_f |p| [m2] of
-the path and q_t |p| [rad2] of the turn, p [m] = the longer way of the two wheels. Measured is the tracked
+the path and q_t |p| [rad2] of the turn, p [m] = the mean way of the two wheels, forth or back (Chong, Kleeman
+1997, DOI 10.1109/ROBOT.1997.606708). Measured is the tracked
 point's pose,
 
     x + R(theta) (px, py), theta + psi       with noise variances r_xy [m2], r_theta [rad2], white,
@@ -30,6 +37,7 @@ from numba import njit
 
 BY_WHEELS, BY_COMMANDS = 0, 1
 STATES = 7
+STEP_COLUMNS = 6
 BIAS_LENGTH = 0.5  # m: errors of a tracker (lens, map) change over about a robot's length or a tile
 DIFFUSE_POSITION = 1e2  # m2: nothing is known of the first position
 DIFFUSE_ANGLE = 1e1  # rad2
@@ -39,14 +47,22 @@ STILL_NOISE = 1e-4  # factor on the noise while it stands
 FRESH = 1e6  # factor: after a hole in the log the speeds are as good as unknown
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _chord(d, turn):  # type: ignore[no-untyped-def]
     """Return the chord [m] of an arc of length d [m] and turn [rad]."""
     half = turn / 2.0
     return d if abs(half) < 1e-9 else d * math.sin(half) / half
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def sway(d, turn, more_d, more_turn):  # type: ignore[no-untyped-def]
+    """Return how far left [m] of the arc's chord an interval ends: d [m], turn [rad]; more_d [m], more_turn
+    [rad]: the speeds gained over the interval times its duration.
+    """
+    return (turn * more_d - d * more_turn) / 12.0
+
+
+@njit(cache=True, error_model="numpy")
 def _carry(P, x_theta, y_theta, x_v, y_v, x_w, y_w, theta_w, keep_v, keep_w):  # type: ignore[no-untyped-def]
     """P becomes F P F' for the F whose entries beside the unit diagonal are given."""
     for j in range(STATES):
@@ -63,18 +79,18 @@ def _carry(P, x_theta, y_theta, x_v, y_v, x_w, y_w, theta_w, keep_v, keep_w):  #
         P[i, 4] *= keep_w
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _add_pair(P, i, j, value):  # type: ignore[no-untyped-def]
     P[i, j] += value
     P[j, i] += value
 
 
-@njit(cache=True)
-def _predict_wheels(s, P, d, turn, q_f, q_t, way):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy")
+def _predict_wheels(s, P, d, turn, aside, q_f, q_t, way):  # type: ignore[no-untyped-def]
     """Move the state along a measured arc; P grows by the wheels' noise."""
     chord, a = _chord(d, turn), s[2] + turn / 2.0
     c, sn = math.cos(a), math.sin(a)
-    dx, dy = chord * c, chord * sn
+    dx, dy = chord * c - aside * sn, chord * sn + aside * c
     _carry(P, -dy, dx, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0)
     var_d, var_t = q_f * way, q_t * way
     gx, gy = -dy / 2.0, dx / 2.0  # a turn error acts on the chord by half of itself
@@ -89,7 +105,7 @@ def _predict_wheels(s, P, d, turn, q_f, q_t, way):  # type: ignore[no-untyped-de
     s[2] += turn
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _predict_commands(s, P, h, V, W, tau_f, tau_t, q_f, q_t):  # type: ignore[no-untyped-def]
     """Let the speeds settle toward (V, W) for h seconds and move on the arc; P grows by
     random accelerations.
@@ -100,7 +116,8 @@ def _predict_commands(s, P, h, V, W, tau_f, tau_t, q_f, q_t):  # type: ignore[no
     turn = W * h + (s[4] - W) * gt
     chord, a = _chord(d, turn), s[2] + turn / 2.0
     c, sn = math.cos(a), math.sin(a)
-    dx, dy = chord * c, chord * sn
+    aside = sway(d, turn, (s[3] - V) * (ef - 1.0) * h, (s[4] - W) * (et - 1.0) * h)
+    dx, dy = chord * c - aside * sn, chord * sn + aside * c
     _carry(P, -dy, dx, gf * c, gf * sn, -dy * gt / 2.0, dx * gt / 2.0, gt, ef, et)
     # integrals of white acceleration, exact for h << tau, which the steps keep
     P[3, 3] += q_f * h
@@ -120,20 +137,25 @@ def _predict_commands(s, P, h, V, W, tau_f, tau_t, q_f, q_t):  # type: ignore[no
     s[4] = W + (s[4] - W) * et
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _forget(s, P, way, s_b):  # type: ignore[no-untyped-def]
     """Let the tracker's error forget itself over `way` metres of travel."""
     keep = math.exp(-way / BIAS_LENGTH)
     for i in (5, 6):
         s[i] *= keep
-        P[i, :] *= keep
-        P[:, i] *= keep
+        for j in range(STATES):
+            P[i, j] *= keep
+        for j in range(STATES):
+            P[j, i] *= keep
         P[i, i] += s_b * s_b * (1.0 - keep * keep)
 
 
-@njit(cache=True)
-def _update(s, P, z, has_heading, used, p, v, w, e, S):  # type: ignore[no-untyped-def]
-    """Compare with one measured pose: write innovation e (3,) and its variance S (3, 3); correct s and P."""
+@njit(cache=True, error_model="numpy")
+def _update(s, P, PH, z, has_heading, used, p, v, w, e, S):  # type: ignore[no-untyped-def]
+    """Compare with one measured pose: write innovation e (3,) and its variance S (3, 3); correct s and P.
+
+    PH : scratch of shape (STATES, 3).
+    """
     c, sn = math.cos(s[2]), math.sin(s[2])
     px, py, psi = p[0], p[1], p[2]
     x_theta, y_theta = -sn * px - c * py, c * px - sn * py
@@ -142,7 +164,6 @@ def _update(s, P, z, has_heading, used, p, v, w, e, S):  # type: ignore[no-untyp
     e[1] = z[1] - (s[1] + sn * px + c * py + s[6])
     difference = z[2] - s[2] - psi
     e[2] = told * math.atan2(math.sin(difference), math.cos(difference))
-    PH = np.empty((STATES, 3))
     for i in range(STATES):
         PH[i, 0] = P[i, 0] + x_theta * P[i, 2] + P[i, 5]
         PH[i, 1] = P[i, 1] + y_theta * P[i, 2] + P[i, 6]
@@ -159,25 +180,34 @@ def _update(s, P, z, has_heading, used, p, v, w, e, S):  # type: ignore[no-untyp
     _add_pair(S, 0, 2, p[5] * gx * gt)
     _add_pair(S, 1, 2, p[5] * gy * gt)
     if used:
-        K = PH @ np.linalg.inv(S)
-        for i in range(STATES):
-            s[i] += K[i, 0] * e[0] + K[i, 1] * e[1] + K[i, 2] * e[2]
-        for i in range(STATES):
-            for j in range(i, STATES):
-                P[i, j] -= K[i, 0] * PH[j, 0] + K[i, 1] * PH[j, 1] + K[i, 2] * PH[j, 2]
-                P[j, i] = P[i, j]
+        _correct(s, P, PH, e, S)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
+def _correct(s, P, PH, e, S):  # type: ignore[no-untyped-def]
+    """Correct state and covariance: K = P H' S^-1, the inverse by cofactors."""
+    c00, c01 = S[1, 1] * S[2, 2] - S[1, 2] * S[1, 2], S[0, 2] * S[1, 2] - S[0, 1] * S[2, 2]
+    c02, c11 = S[0, 1] * S[1, 2] - S[0, 2] * S[1, 1], S[0, 0] * S[2, 2] - S[0, 2] * S[0, 2]
+    c12, c22 = S[0, 1] * S[0, 2] - S[0, 0] * S[1, 2], S[0, 0] * S[1, 1] - S[0, 1] * S[0, 1]
+    share = 1.0 / (S[0, 0] * c00 + S[0, 1] * c01 + S[0, 2] * c02)
+    for i in range(STATES):
+        a, b, c = PH[i, 0] * share, PH[i, 1] * share, PH[i, 2] * share
+        k0, k1, k2 = a * c00 + b * c01 + c * c02, a * c01 + b * c11 + c * c12, a * c02 + b * c12 + c * c22
+        s[i] += k0 * e[0] + k1 * e[1] + k2 * e[2]
+        for j in range(i, STATES):
+            P[i, j] -= k0 * PH[j, 0] + k1 * PH[j, 1] + k2 * PH[j, 2]
+            P[j, i] = P[i, j]
+
+
+@njit(cache=True, error_model="numpy")
 def innovations(mode, steps, z, heading_known, used, start, p, dyn):  # type: ignore[no-untyped-def]
     """Run the filter.
 
     Parameters
     ----------
     mode : BY_WHEELS or BY_COMMANDS.
-    steps : array, shape (m, 5): duration [s]; d [m] or V [m/s]; turn [rad] or W [rad/s]; way [m] or 1 for a
-    stale
-        command; row of the pose measured at the end of the step, -1 for none.
+    steps : array, shape (m, 6): duration [s]; d [m] or V [m/s]; turn [rad] or W [rad/s]; way [m] or 1 for a
+        stale command; row of the pose measured at the end of the step, -1 for none; sway [m] (wheels only).
     z : array, shape (n, 3): x, y [m], theta [rad]; heading_known, used : arrays of bool, shape (n,).
     start : array (x, y, theta, theta's variance).
     p : array (px, py, psi, r_xy, r_theta, r_time); dyn : array (tau_f, tau_t, q_f, q_t, s_b).
@@ -193,14 +223,14 @@ def innovations(mode, steps, z, heading_known, used, start, p, dyn):  # type: ig
         S[k, 0, 0], S[k, 1, 1], S[k, 2, 2] = 1.0, 1.0, 1.0
     s = np.zeros(STATES)
     s[0], s[1], s[2] = start[0], start[1], start[2]
-    P = np.zeros((STATES, STATES))
+    P, PH = np.zeros((STATES, STATES)), np.empty((STATES, 3))
     P[0, 0], P[1, 1], P[2, 2] = DIFFUSE_POSITION, DIFFUSE_POSITION, start[3]
     P[3, 3], P[4, 4] = FIRST_SPEED**2, FIRST_TURN_RATE**2
     P[5, 5], P[6, 6] = dyn[4] ** 2, dyn[4] ** 2
     for i in range(steps.shape[0]):
         h = steps[i, 0]
         if mode == BY_WHEELS:
-            _predict_wheels(s, P, steps[i, 1], steps[i, 2], dyn[2], dyn[3], steps[i, 3])
+            _predict_wheels(s, P, steps[i, 1], steps[i, 2], steps[i, 5], dyn[2], dyn[3], steps[i, 3])
             _forget(s, P, steps[i, 3], dyn[4])
         elif h > 0.0:
             fresh = FRESH if steps[i, 3] > 0.5 else 1.0
@@ -216,5 +246,5 @@ def innovations(mode, steps, z, heading_known, used, start, p, dyn):  # type: ig
             v, w = s[3], s[4]
             if mode == BY_WHEELS and h > 0.0:
                 v, w = steps[i, 1] / h, steps[i, 2] / h
-            _update(s, P, z[row], heading_known[row], used[row], p, v, w, e[row], S[row])
+            _update(s, P, PH, z[row], heading_known[row], used[row], p, v, w, e[row], S[row])
     return e, S

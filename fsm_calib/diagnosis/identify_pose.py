@@ -50,7 +50,7 @@ class Motion(Protocol):
         ...
 
     def steps(self, times: FloatArray, p: dict[str, float]) -> FloatArray:
-        """Return the filter's steps, shape (m, 5), without the rows of the poses."""
+        """Return the filter's steps, shape (m, 6), without the rows of the poses."""
         ...
 
     def constants(self, p: dict[str, float]) -> tuple[float, float]:
@@ -105,7 +105,8 @@ def fit_pose(pose: PoseTrack, motion: Motion, start: Alignment) -> PoseFit:
     parameters = _parameters(motion, start, heading)
     free = tuple(parameters)
     problem = _problem(pose, motion, parameters, start, heading)
-    result = maximise(problem, np.array([parameters[name].first for name in free]), len(pose))
+    first = np.array([parameters[name].first for name in free])
+    result = maximise(problem, first, len(pose), spare=free.index("s_b"))
     values = _natural(dict(zip(free, map(float, result.parameters), strict=True)), motion)
     return PoseFit(
         values, free, result.covariance, result.log_likelihood, _outliers(result), len(pose), heading, start
@@ -152,6 +153,8 @@ def _problem(
         np.array([parameters[name].size for name in free]),
         np.array([parameters[name].first for name in free]),
         np.array([parameters[name].spread for name in free]),
+        np.array([name in TRACKER_NOISE or name in motion.noise for name in free]),
+        np.zeros(len(free)),
     )
 
 

@@ -12,7 +12,7 @@ import dataclasses
 import numpy as np
 
 from fsm_calib.diagnosis.identify_align import align
-from fsm_calib.diagnosis.identify_filter import BY_WHEELS
+from fsm_calib.diagnosis.identify_filter import BY_WHEELS, STEP_COLUMNS, sway
 from fsm_calib.diagnosis.identify_inputs import Wheels, wheels_of
 from fsm_calib.diagnosis.identify_pose import Parameter, PoseFit, fit_pose, thinned
 from fsm_calib.recording.recording import Recording
@@ -33,6 +33,7 @@ class WheelMotion:
 
     def __init__(self, wheels: Wheels, scales: tuple[float, float], axle: float) -> None:
         self.wheels = wheels
+        self._known: dict[float, tuple[FloatArray, FloatArray, FloatArray]] = {}
         self.parameters = {
             "left": Parameter(scales[0], scales[0]),
             "right": Parameter(scales[1], scales[1]),
@@ -47,17 +48,26 @@ class WheelMotion:
         return np.unique(np.concatenate([pose_times, inside]))
 
     def steps(self, times: FloatArray, p: dict[str, float]) -> FloatArray:
-        """Return duration, path, turn and the longer way of the two wheels for each event; the first is at
-        rest.
+        """Return duration, path, turn, the mean way of the two wheels and the sway for each event; the first
+        is at rest.
         """
-        left, right = self.wheels.between(times + p["clock"])
-        s_left, s_right = p["left"] * left, p["right"] * right
-        steps = np.zeros((len(times), 5))
+        scales = np.array([p["left"], p["right"]])
+        travel, gained = (part * scales for part in self._along(times, p["clock"]))
+        steps = np.zeros((len(times), STEP_COLUMNS))
         steps[1:, 0] = np.diff(times)
-        steps[1:, 1] = (s_left + s_right) / 2.0
-        steps[1:, 2] = (s_right - s_left) / p["axle"]
-        steps[1:, 3] = np.maximum(np.abs(s_left), np.abs(s_right))
+        steps[1:, 1] = travel.mean(axis=1)
+        steps[1:, 2] = (travel[:, 1] - travel[:, 0]) / p["axle"]
+        steps[1:, 3] = np.abs(travel).mean(axis=1)
+        steps[1:, 5] = sway(
+            steps[1:, 1], steps[1:, 2], gained.mean(axis=1), (gained[:, 1] - gained[:, 0]) / p["axle"]
+        )
         return steps
+
+    def _along(self, times: FloatArray, clock: float) -> tuple[FloatArray, FloatArray]:
+        """Return `Wheels.along` by the poses' clock; most steps of a search leave the clocks as they were."""
+        if clock not in self._known or self._known[clock][0] is not times:
+            self._known = {clock: (times, *self.wheels.along(times + clock))}
+        return self._known[clock][1:]
 
     def constants(self, p: dict[str, float]) -> tuple[float, float]:
         """Return unit time constants: measured wheels need none."""
