@@ -37,6 +37,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d import slots
+from fsm_calib.world2d.arithmetic import ARITHMETIC
 from fsm_calib.world2d.slots import (
     ANGLE,
     BASE_DRIVE,
@@ -93,7 +94,7 @@ LEAST_RATIO = 0.1
 the time constants leave less, the wheels have less inertia, so that odd fits stay solvable."""
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def begin_base(P, W):
     """Set what stays the same for a whole roll-out: masses, geometry, motors; effects may change it
     afterwards.
@@ -111,7 +112,7 @@ def begin_base(P, W):
     W[INERTIA] = 2.0 * half * half * max(P[TAU_TURN] * W[BASE_DRIVE] - rotating, 0.5 * mass * LEAST_RATIO)
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def share_load(P, W):
     """Distribute the weight [N] over wheels and caster by the centre of mass; called once, after the effects'
     begin.
@@ -126,7 +127,7 @@ def share_load(P, W):
     W[LOAD], W[LOAD + 1] = wheels * left, wheels * (1.0 - left)
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def begin_step(P, W):
     """Fill the workbench with the base robot's values for one step; the commands and the step are already
     there.
@@ -145,7 +146,7 @@ def begin_step(P, W):
         W[i] = 0.0
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def finish_step(S, W):
     """Solve the balance for the new velocity and place the robot; the result lies in W from `NEXT` on."""
     h, m, cx, cy = W[STEP], W[MASS], W[COM_X], W[COM_Y]
@@ -175,7 +176,7 @@ def finish_step(S, W):
     turn_wheels(S, W)
 
 
-@njit(error_model="numpy", inline="always")
+@njit(**ARITHMETIC, inline="always")
 def small_rotation(angle):
     """Return cosine and sine of an angle [rad]; by their series when it is small, to the last digit, for
     speed.
@@ -183,11 +184,13 @@ def small_rotation(angle):
     if abs(angle) > 0.05:
         return math.cos(angle), math.sin(angle)
     q = angle * angle
-    cosine = 1.0 - q * (0.5 - q * (1.0 / 24.0 - q * (1.0 / 720.0 - q / 40320.0)))
-    return cosine, angle * (1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0 - q / 362880.0))))
+    cosine = 1.0 - q * (0.5 - q * (1.0 / 24.0 - q * (1.0 / 720.0 - q * (1.0 / 40320.0))))
+    return cosine, angle * (
+        1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0 - q * (1.0 / 362880.0))))
+    )
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def place_robot(S, W):
     """Move the centre of mass by the mean of its old and new velocity in `world`, and the axle with it."""
     h, cx, cy = W[STEP], W[COM_X], W[COM_Y]
@@ -206,7 +209,7 @@ def place_robot(S, W):
     W[NEXT + THETA] = theta
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def accept_step(S, W):
     """Make the result of the step the new state."""
     for i in range(6):
@@ -215,7 +218,7 @@ def accept_step(S, W):
     S[TIME] += W[STEP]
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def look_around(S, W):
     """Use the simulated pose and wheel angles where an effect asks for place, heading or roll."""
     W[slots.PLACE_X], W[slots.PLACE_Y] = S[X], S[Y]

@@ -9,13 +9,14 @@ import math
 from numba import njit
 
 from fsm_calib.world2d import slots
+from fsm_calib.world2d.arithmetic import ARITHMETIC
 from fsm_calib.world2d.slots import DAMP, FORCE_X, FORCE_Y, MOMENT, STEP
 
 STEPS_TO_STOP = 4.0
 """Steps within which dry friction could stop a motion for it to be treated as a damper."""
 
 
-@njit(error_model="numpy", inline="always")
+@njit(**ARITHMETIC, inline="always")
 def add_force(W, fx, fy, moment):
     """Add a constant force (fx, fy) [N] in `base` at the axle centre and a moment [N m] to this step."""
     W[FORCE_X] += fx
@@ -23,7 +24,7 @@ def add_force(W, fx, fy, moment):
     W[MOMENT] += moment
 
 
-@njit(error_model="numpy", inline="always")
+@njit(**ARITHMETIC, inline="always")
 def add_damper(W, px, py, kx, ky):
     """Add a damper at the point (px, py) [m] of `base` with stiffness kx along x and ky along y [N s/m]."""
     W[DAMP] += kx
@@ -33,7 +34,7 @@ def add_damper(W, px, py, kx, ky):
     W[DAMP + 5] += kx * py * py + ky * px * px
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def add_oblique_damper(W, px, py, dx, dy, k):
     """Add a damper of stiffness k [N s/m] at the point (px, py) [m] that acts along the unit vector (dx, dy)
     of `base`.
@@ -47,7 +48,7 @@ def add_oblique_damper(W, px, py, dx, dy, k):
     W[DAMP + 5] += k * arm * arm
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def add_dry_friction(W, px, py, dx, dy, speed, size, inertia):
     """Add dry friction of `size` [N] at the point (px, py) [m] of `base` against `speed` [m/s] along the unit
     vector (dx, dy).

@@ -19,7 +19,7 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-from fsm_calib.world2d import dynamics, forces, loop, slots, tyres
+from fsm_calib.world2d import arithmetic, dynamics, forces, loop, slots, tyres
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -31,6 +31,7 @@ HEADER = '''"""Woven by fsm_calib.world2d.kernel from the catalogue of effects; 
 import math
 import numpy as np
 from numba import njit
+from fsm_calib.world2d.arithmetic import ARITHMETIC
 from fsm_calib.world2d.dynamics import *
 from fsm_calib.world2d.tyres import add_tyres
 from fsm_calib.world2d.slots import *
@@ -57,7 +58,7 @@ def _hooked(stage: str) -> list[Effect]:
     return sorted((e for e in registry().values() if stage in e.hooks), key=lambda e: (e.order, e.name))
 
 
-def _calls(stage: str, template: str) -> str:
+def _calls(stage: str, template: str, indent: str = "    ") -> str:
     """Return one guarded line a hook; the template knows name, o (first parameter), m (memory) and i
     (flag).
     """
@@ -67,7 +68,7 @@ def _calls(stage: str, template: str) -> str:
         call = template.format(
             name=f"{effect.name}_{stage}", o=table.first[effect.name], m=places[effect.name]
         )
-        lines.append(f"    if on[{flags[effect.name]}]:\n        {call}\n")
+        lines.append(f"{indent}if on[{flags[effect.name]}]:\n{indent}    {call}\n")
     return "".join(lines)
 
 
@@ -82,17 +83,23 @@ def _imports() -> str:
 
 
 def _stages() -> str:
-    """Return the text of begin, shape, delay and step with the hooks in their places."""
-    njit = '@njit(error_model="numpy"{})\n'
+    """Return the text of begin, shape, delay and step with the hooks in their places.
+
+    A robot without any effect that acts in a step asks once a step, not once an effect.
+    """
+    njit = "@njit(**ARITHMETIC{})\n"
     kept, plain = njit.format(", cache=True"), njit.format("")
+    any_on = " or ".join(f"on[{flag_places()[effect.name]}]" for effect in _hooked("step")) or "False"
     return (
         f"{kept}def begin(P, on, W):\n    begin_base(P, W)\n"
-        f"{_calls('begin', '{name}(P, {o}, W)')}    share_load(P, W)\n\n\n"
+        f"{_calls('begin', '{name}(P, {o}, W)')}    share_load(P, W)\n"
+        f"    W[HOOKED] = 1.0 if {any_on} else 0.0\n\n\n"
         f"{kept}def shape(P, on, u, side):\n"
         f"{_calls('shape', 'u = {name}(P, {o}, u, side)')}    return u\n\n\n"
         f"{kept}def delay(P, on):\n    late = 0.0\n"
         f"{_calls('delay', 'late += {name}(P, {o})')}    return late\n\n\n"
-        f"{plain}def step(P, on, S, W):\n    begin_step(P, W)\n{_calls('step', '{name}(P, {o}, S, {m}, W)')}"
+        f"{plain}def step(P, on, S, W):\n    begin_step(P, W)\n    if W[HOOKED] > 0.0:\n"
+        f"{_calls('step', '{name}(P, {o}, S, {m}, W)', '        ')}"
         "    add_tyres(S, W)\n    finish_step(S, W)\n    place_robot(S, W)\n\n\n"
     )
 
@@ -103,7 +110,7 @@ def _loop_text() -> str:
     for name in COMPILED:
         text = inspect.getsource(getattr(loop, name).py_func)
         if name in CACHED:
-            text = text.replace('@njit(error_model="numpy")', '@njit(error_model="numpy", cache=True)')
+            text = text.replace("@njit(**ARITHMETIC)", "@njit(**ARITHMETIC, cache=True)")
         parts.append(text)
     return "\n\n".join(parts)
 
@@ -112,7 +119,7 @@ def _digest(text: str) -> str:
     """Return a hash of the woven text and of every file whose code it calls."""
     digest = hashlib.sha256(text.encode())
     digest.update(sys.version.encode())
-    files = {inspect.getfile(m) for m in (dynamics, forces, tyres, slots, loop)}
+    files = {inspect.getfile(m) for m in (arithmetic, dynamics, forces, tyres, slots, loop)}
     folder = Path(inspect.getfile(Effect)).parent
     for file in sorted(files | {str(p) for p in folder.glob("*.py")}):
         digest.update(Path(file).read_bytes())

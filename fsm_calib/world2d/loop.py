@@ -13,6 +13,7 @@ import math
 import numpy as np
 from numba import njit
 
+from fsm_calib.world2d.arithmetic import ARITHMETIC
 from fsm_calib.world2d.dynamics import (
     accept_step,
     begin_base,
@@ -49,26 +50,26 @@ OUTPUTS = 12
 time, moved."""
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def begin(P, on, W):
     """Prepare the workbench for a roll-out."""
     begin_base(P, W)
     share_load(P, W)
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def shape(P, on, u, side):
     """Map a held command [1] of one wheel statically."""
     return u
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def delay(P, on):
     """Return how much later commands act [s]."""
     return 0.0
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def step(P, on, S, W):
     """Find velocity and pose after one step; the result lies in W, the state's pose and twist are
     untouched.
@@ -79,7 +80,7 @@ def step(P, on, S, W):
     place_robot(S, W)
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def integrate_levels(P, on, times, levels, side):
     """Return shaped levels and their running integral [s] at the breakpoints, each of shape (n,)."""
     n = times.size
@@ -91,7 +92,7 @@ def integrate_levels(P, on, times, levels, side):
     return shaped, total
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def look_at_track(W, track, k, part):
     """Take place, heading and roll from the track, `part` of the way from sample k to k + 1."""
     W[PLACE_X] = track[k, 0] + part * (track[k + 1, 0] - track[k, 0])
@@ -102,7 +103,7 @@ def look_at_track(W, track, k, part):
     W[ROLL + 1] = track[k, 4] + part * (track[k + 1, 4] - track[k, 4])
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def keep(out, k, S):
     """Write the state into row k of the result."""
     for i in range(10):
@@ -111,7 +112,7 @@ def keep(out, k, S):
     out[k, 11] = 1.0 if abs(S[V]) + abs(S[L]) + abs(S[OMEGA]) > 0.0 else 0.0
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def run(P, on, memory, looks, times, left, right, samples, start, track, limit, out):
     """Drive the robot through the sample times [s] and write one row a sample, shape (n, 12).
 
@@ -137,13 +138,13 @@ def run(P, on, memory, looks, times, left, right, samples, start, track, limit, 
         span = samples[k + 1] - samples[k]
         n = max(1, math.ceil(span / limit - 0.02))
         h = span / n
-        W[STEP] = h
+        W[STEP], per_second = h, 1.0 / h
         for i in range(n):
             t = samples[k] + (i + 1) * h - late
             while j < last and times[j + 1] <= t:
                 j += 1
             to_l, to_r = total_l[j] + level_l[j] * (t - times[j]), total_r[j] + level_r[j] * (t - times[j])
-            W[COMMAND], W[COMMAND + 1] = (to_l - at_l) / h, (to_r - at_r) / h
+            W[COMMAND], W[COMMAND + 1] = (to_l - at_l) * per_second, (to_r - at_r) * per_second
             at_l, at_r = to_l, to_r
             if looks == 1:
                 look_around(S, W)
@@ -154,14 +155,14 @@ def run(P, on, memory, looks, times, left, right, samples, start, track, limit, 
         keep(out, k + 1, S)
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def run_many(Ps, ons, memory, looks, times, left, right, samples, starts, track, limit, out):
     """Run every parameter vector of Ps, shape (k, p), from starts, shape (k, 6); out has shape (k, n, 12)."""
     for i in range(Ps.shape[0]):
         run(Ps[i], ons[i], memory, looks[i], times, left, right, samples, starts[i], track, limit, out[i])
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def single_step(P, on, S, W, u_left, u_right, h):
     """Make one step of a robot that lives elsewhere: mean shaped commands [1], length h [s]; result in W."""
     W[STEP], W[COMMAND], W[COMMAND + 1] = h, u_left, u_right

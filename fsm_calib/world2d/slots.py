@@ -81,12 +81,16 @@ ENGAGED = 60
 BASE_DRIVE, ROTATING = 62, 63
 """The base's DRIVE [N s/m], and the rotating inertia of a wheel and its motor as a mass at the rim [kg]."""
 LAST_SLIP = 64
-"""Slip of the tyres in the step before [m/s] (64, 65): where the search for the next begins."""
+"""Slip of the tyres in the step before [m/s] (64, 65): the search for the next begins where it was going."""
 WHEEL_ENCODER = 66
 """Whether encoders turn with the wheels (1) or with the motors (0); they differ while gears are in their play."""
 FREE_ROTATING = 67
 """The part of ROTATING that turns with the motor alone while its gears are in their play [kg]."""
-BENCH_SIZE = 68
+SLIP_TREND = 68
+"""How much the slip of the tyres changed in the step before [m/s] (68, 69)."""
+HOOKED = 70
+"""Whether any effect acts in a step (1) or none (0)."""
+BENCH_SIZE = 71
 
 # ---- constants of the world ----
 GRAVITY = 9.80665

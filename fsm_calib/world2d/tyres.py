@@ -8,6 +8,7 @@ import math
 
 from numba import njit
 
+from fsm_calib.world2d.arithmetic import ARITHMETIC
 from fsm_calib.world2d.forces import add_damper, add_force
 from fsm_calib.world2d.slots import (
     ANGLE,
@@ -31,6 +32,7 @@ from fsm_calib.world2d.slots import (
     SIDE_COMPLIANCE,
     SLIP_SPEED,
     SLIP_STIFFNESS,
+    SLIP_TREND,
     STEP,
     TARGET,
     WHEEL_ENCODER,
@@ -49,13 +51,13 @@ STILL = 1e-12
 """Speeds below this are zero [m/s, rad/s]: keeps a resting robot exactly still."""
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def slip_at_crossing(excess, drive, grip, floor2, guess):
     """Return the slip [m/s] at which motor and tyre pass the same force.
 
     Solves drive (excess - s) = grip s / sqrt(s^2 + floor2) for s; `excess` [m/s] is the no-load rim speed
     minus the ground's speed, `drive` [N s/m], `grip` [N], `floor2` [m2/s2] the squared slip across plus the
-    squared slip speed, `guess` [m/s] the slip of the step before. Newton's method; the curve is concave, so
+    squared slip speed, `guess` [m/s] where the slips before point to. Newton's method; the curve is concave, so
     that from the left of the root it climbs without overshooting, and from the right it falls left of it at
     once, at worst to zero.
     """
@@ -63,15 +65,15 @@ def slip_at_crossing(excess, drive, grip, floor2, guess):
     s = min(abs(guess), e)
     for _ in range(NEWTON_STEPS):
         r2 = s * s + floor2
-        k = grip / math.sqrt(r2)
-        change = (drive * (e - s) - k * s) * r2 / (drive * r2 + k * floor2)
+        q = math.sqrt(r2)
+        change = (drive * (e - s) * q - grip * s) * r2 / (drive * r2 * q + grip * floor2)
         s = max(s + change, 0.0)
         if abs(change) < NEWTON_TOLERANCE:
             break
     return math.copysign(s, excess)
 
 
-@njit(error_model="numpy", inline="always")
+@njit(**ARITHMETIC, inline="always")
 def lead(W, side):
     """Return where in the step the rim speed is solved for: a little past half way, so that the fast slip of a
     stiff tyre dies out in long steps instead of ringing; at the end where gears have just met.
@@ -79,7 +81,7 @@ def lead(W, side):
     return 1.0 - (1.0 - DAMPED_MIDDLE) * W[ENGAGED + side]
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def meet_ground(S, W, side, speed, across):
     """Find the line force = LINE_FORCE - LINE_SLOPE speed of one wheel and its tyre's secant stiffness for
     this step.
@@ -91,17 +93,19 @@ def meet_ground(S, W, side, speed, across):
     """
     inert = W[ROTATING] / (lead(W, side) * W[STEP])
     drive = W[DRIVE + side] + inert
-    target = (W[DRIVE + side] * W[TARGET + side] + inert * S[RIM + side]) / drive
+    share = 1.0 / drive
+    target = (W[DRIVE + side] * W[TARGET + side] + inert * S[RIM + side]) * share
     dry, engaged = W[DRY + side], W[ENGAGED + side]
     floor2 = across * across + W[SLIP_SPEED] * W[SLIP_SPEED]
     if engaged > 0.0:
-        effective = target - dry / drive
-        guess = W[LAST_SLIP + side]
+        effective = target - dry * share
+        guess = W[LAST_SLIP + side] + W[SLIP_TREND + side]
         slip = slip_at_crossing(effective - speed, drive, W[GRIP + side], floor2, guess)
         if dry > 0.0 and speed + slip <= 0.0:
-            effective = target + dry / drive
+            effective = target + dry * share
             slip = slip_at_crossing(effective - speed, drive, W[GRIP + side], floor2, guess)
         if dry == 0.0 or (speed + slip) * (effective - target) < 0.0:
+            W[SLIP_TREND + side] = slip - W[LAST_SLIP + side]
             W[LAST_SLIP + side] = slip
             r2 = slip * slip + floor2
             stiffness = W[GRIP + side] / math.sqrt(r2)
@@ -109,12 +113,15 @@ def meet_ground(S, W, side, speed, across):
             W[SLIP_STIFFNESS + side] = stiffness
             W[LINE_SLOPE + side] = engaged * slope
             W[LINE_FORCE + side] = engaged * (stiffness * slip + slope * speed)
-            W[RIM_TARGET + side], W[RIM_SHARE + side] = effective, 1.0 / (engaged * drive)
+            W[RIM_TARGET + side], W[RIM_SHARE + side] = (
+                effective,
+                share if engaged == 1.0 else share / engaged,
+            )
             return
     hold_or_coast(S, W, side, speed, floor2)
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def hold_or_coast(S, W, side, speed, floor2):
     """Describe a wheel that dry friction holds still (a dragged tyre), or one that turns freely in its gears'
     play.
@@ -133,7 +140,7 @@ def hold_or_coast(S, W, side, speed, floor2):
     )
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def free_speed(rim, target, drive, rotating, h):
     """Return the rim speed [m/s] of an unloaded motor after h [s]; without rotating mass it is the target at
     once.
@@ -141,7 +148,7 @@ def free_speed(rim, target, drive, rotating, h):
     return target + (rim - target) * math.exp(-drive * h / rotating) if rotating > 0.0 else target
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def add_tyres(S, W):
     """Let both wheels meet the ground and add their forces to the body's balance."""
     half = W[HALF_AXLE]
@@ -154,13 +161,13 @@ def add_tyres(S, W):
         add_force(W, force, 0.0, -arm * force)
 
 
-@njit(error_model="numpy", inline="always")
+@njit(**ARITHMETIC, inline="always")
 def settle(speed):
     """Return zero for a speed that is too small to matter (`STILL`)."""
     return speed if abs(speed) > STILL else 0.0
 
 
-@njit(error_model="numpy")
+@njit(**ARITHMETIC)
 def turn_wheels(S, W):
     """Advance the wheels' angles [rad] and rim speeds [m/s] with the body's mean speed over the step."""
     v = 0.5 * (S[V] + W[NEXT + V])
