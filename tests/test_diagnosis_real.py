@@ -128,7 +128,7 @@ def test_only_inputs_that_can_show_an_effect_consider_it() -> None:
         kind: [e.name for e in shown_by(effects, [make_simulator(prepare(r))])] for kind, r in inputs.items()
     }
     assert found == {
-        "commands": ["motor_deadband", "skid_steer"],
+        "commands": ["motor_deadband"],
         "twists": ["motor_deadband", "command_point", "skid_steer"],
         "wheels": ["skid_steer"],
     }

@@ -58,15 +58,20 @@ def catalogue(without: Iterable[str] = (), base_lacks: Iterable[str] = ()) -> li
 
 
 def shown_by(effects: Iterable[Effect], simulators: Sequence[Simulator]) -> list[Effect]:
-    """Return the effects that these recordings' kind of input can show: commands, twists, or measured wheel speeds."""
-    allowed = {"any"}
+    """Return the effects that these recordings' kind of input can show: commands, twists, wheels."""
+    allowed, twists = {"any"}, all(_by_twists(s) for s in simulators)
     if not any(s.measured_input for s in simulators):
         allowed.add("command")
-    if all(
-        s.prepared.recording.twist is not None and s.prepared.recording.command is None for s in simulators
-    ):
+    if twists:
         allowed.add("twist")
+    if twists or all(s.measured_input or s.prepared.has_encoders for s in simulators):
+        allowed.add("wheels")
     return [e for e in effects if e.input in allowed]
+
+
+def _by_twists(simulator: Simulator) -> bool:
+    recording = simulator.prepared.recording
+    return recording.twist is not None and recording.command is None
 
 
 def variants(effect: Effect) -> tuple[tuple[str, ...], ...]:

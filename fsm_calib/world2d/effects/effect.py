@@ -93,7 +93,8 @@ class Effect:
     parameters worth fitting (empty: all); `scan` tells the diagnosis to look for a ``place`` or a ``time``;
     `memory` counts the state slots that the step hook keeps; `order` sorts hooks within a stage (small
     first); `input` says which drives can show it: any, commands (measured wheel speeds have their motors
-    behind them), or commanded twists.
+    behind them), commanded twists, or drives whose wheels were measured by us or
+    by the robot's own controller.
     """
 
     name: str
@@ -113,7 +114,7 @@ class Effect:
     memory: int = 0
     order: int = 50
     dissipative: bool = False
-    input: Literal["any", "command", "twist"] = "any"
+    input: Literal["any", "command", "twist", "wheels"] = "any"
     summary: str = field(default="")
 
     def __post_init__(self) -> None:
