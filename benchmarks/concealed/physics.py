@@ -257,7 +257,7 @@ def _simulate(p, times, left, right, x0, n_steps, dt, every, noise):
                 psi -= ks / p.caster_trail * math.sin(psi - to) * dt
                 fade = math.tanh(ks / 0.01)
                 along = -p.caster_drag * math.cos(psi - to) * fade
-                across = -p.caster_scrub * math.sin(psi - to) * fade
+                across = -p.caster_scrub * math.sin(to - psi) * fade
                 cfx = along * math.cos(psi) - across * math.sin(psi)
                 cfy = along * math.sin(psi) + across * math.cos(psi)
                 force_x += cfx
