@@ -77,7 +77,6 @@ PHYSICS: dict[str, Callable[[float, np.random.Generator], Change]] = {
         {"payload": 1.2 * size} | _direction(rng, 0.06, "payload_x", "payload_y")
     ),
     "tyre_scrub": lambda size, rng: {"scrub": 0.02 * size},
-    "wheel_eccentricity": lambda size, rng: {f"eccentric_{rng.choice(['left', 'right'])}": 0.2 * size},
     "low_friction_patch": _patch,
     "motor_fault": _fault,
     "external_push": _push,

@@ -45,7 +45,7 @@ class Robot(NamedTuple):
     reverse: float = 0.0  # share lost (or won) backward
     delay: float = 0.0  # s
     coulomb: float = 0.0  # N m on each wheel's axle
-    tilt_x: float = 0.0  # slope, downhill components
+    tilt_x: float = 0.0  # slope, uphill components
     tilt_y: float = 0.0
     payload: float = 0.0  # kg
     payload_x: float = 0.0  # m in base
@@ -70,7 +70,7 @@ class Robot(NamedTuple):
 def model_text(robot: Robot) -> str:
     """Return the robot as MuJoCo's XML."""
     r, half = robot.radius, robot.axle / 2.0
-    gravity = f"{9.81 * robot.tilt_x} {9.81 * robot.tilt_y} -9.81"
+    gravity = f"{-9.81 * robot.tilt_x} {-9.81 * robot.tilt_y} -9.81"
     payload = (
         f'<body pos="{robot.payload_x} {robot.payload_y} {r + HEIGHT}"><geom type="sphere" size="0.02" '
         f'mass="{robot.payload}" contype="0" conaffinity="0"/></body>'
@@ -116,7 +116,7 @@ def shaped(robot: Robot, command: float) -> float:
     if robot.deadband > 0.0:
         u = math.copysign(max(abs(u) - robot.deadband, 0.0), u)
     elif u != 0.0:
-        u -= math.copysign(robot.deadband, u)
+        u -= robot.deadband * math.copysign(1.0, u)  # over-compensated: a piece is added
     return u * (1.0 - robot.reverse) if u < 0.0 else u
 
 
