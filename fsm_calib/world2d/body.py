@@ -122,7 +122,7 @@ class RobotBody:
         parameter_table().check(parameters)
         self._parameters = np.array(parameters, dtype=float)
         self._on = active_flags(self._parameters)
-        self._kernel = kernel()
+        self._kernel = kernel(bare=not self._on.any())
         self._kernel.begin(self._parameters, self._on, self._bench)
         self._delay = float(self._kernel.delay(self._parameters, self._on))
         self._shaped: dict[tuple[float, float], tuple[float, float]] = {}

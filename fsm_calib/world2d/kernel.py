@@ -53,18 +53,19 @@ def flag_places() -> dict[str, int]:
     return {name: i for i, name in enumerate(registry())}
 
 
-def _hooked(stage: str) -> list[Effect]:
-    """Return the effects that have a hook for the stage, in the order in which they act."""
-    return sorted((e for e in registry().values() if stage in e.hooks), key=lambda e: (e.order, e.name))
+def _hooked(stage: str, bare: bool) -> list[Effect]:
+    """Return the effects that have a hook for the stage, in the order in which they act; none of a bare robot."""
+    effects = [] if bare else [e for e in registry().values() if stage in e.hooks]
+    return sorted(effects, key=lambda e: (e.order, e.name))
 
 
-def _calls(stage: str, template: str, indent: str = "    ") -> str:
+def _calls(stage: str, bare: bool, template: str, indent: str = "    ") -> str:
     """Return one guarded line a hook; the template knows name, o (first parameter), m (memory) and i
     (flag).
     """
     table, (places, _), flags = parameter_table(), memory_places(), flag_places()
     lines = []
-    for effect in _hooked(stage):
+    for effect in _hooked(stage, bare):
         call = template.format(
             name=f"{effect.name}_{stage}", o=table.first[effect.name], m=places[effect.name]
         )
@@ -72,34 +73,34 @@ def _calls(stage: str, template: str, indent: str = "    ") -> str:
     return "".join(lines)
 
 
-def _imports() -> str:
+def _imports(bare: bool) -> str:
     """Return the import lines of all compiled hooks."""
     lines = []
     for stage in ("begin", "shape", "delay", "step"):
-        for effect in _hooked(stage):
+        for effect in _hooked(stage, bare):
             hook = effect.hooks[stage]
             lines.append(f"from {hook.__module__} import {hook.__name__} as {effect.name}_{stage}\n")
     return "".join(lines)
 
 
-def _stages() -> str:
+def _stages(bare: bool) -> str:
     """Return the text of begin, shape, delay and step with the hooks in their places.
 
     A robot without any effect that acts in a step asks once a step, not once an effect.
     """
     njit = "@njit(**ARITHMETIC{})\n"
     kept, plain = njit.format(", cache=True"), njit.format("")
-    any_on = " or ".join(f"on[{flag_places()[effect.name]}]" for effect in _hooked("step")) or "False"
+    any_on = " or ".join(f"on[{flag_places()[effect.name]}]" for effect in _hooked("step", bare)) or "False"
     return (
         f"{kept}def begin(P, on, W):\n    begin_base(P, W)\n"
-        f"{_calls('begin', '{name}(P, {o}, W)')}    share_load(P, W)\n"
+        f"{_calls('begin', bare, '{name}(P, {o}, W)')}    share_load(P, W)\n"
         f"    W[HOOKED] = 1.0 if {any_on} else 0.0\n\n\n"
         f"{kept}def shape(P, on, u, side):\n"
-        f"{_calls('shape', 'u = {name}(P, {o}, u, side)')}    return u\n\n\n"
+        f"{_calls('shape', bare, 'u = {name}(P, {o}, u, side)')}    return u\n\n\n"
         f"{kept}def delay(P, on):\n    late = 0.0\n"
-        f"{_calls('delay', 'late += {name}(P, {o})')}    return late\n\n\n"
-        f"{plain}def step(P, on, S, W):\n    begin_step(P, W)\n    if W[HOOKED] > 0.0:\n"
-        f"{_calls('step', '{name}(P, {o}, S, {m}, W)', '        ')}"
+        f"{_calls('delay', bare, 'late += {name}(P, {o})')}    return late\n\n\n"
+        f"{plain}def step(P, on, S, W):\n    begin_step(P, W)\n    if W[HOOKED] > 0.0:\n        pass\n"
+        f"{_calls('step', bare, '{name}(P, {o}, S, {m}, W)', '        ')}"
         "    add_tyres(S, W)\n    finish_step(S, W)\n    place_robot(S, W)\n\n\n"
     )
 
@@ -140,18 +141,18 @@ def cache_folder() -> Path:
         return spare
 
 
-def woven_source() -> str:
+def woven_source(bare: bool = False) -> str:
     """Return the text of the whole module."""
-    text = _imports() + "\n\n" + _stages() + _loop_text()
+    text = _imports(bare) + "\n\n" + _stages(bare) + _loop_text()
     return HEADER.format(digest=_digest(text), outputs=loop.OUTPUTS) + text
 
 
 @cache
-def kernel() -> ModuleType:
+def kernel(bare: bool = False) -> ModuleType:
     """Return the woven module (`run`, `run_many`, `single_step`, `begin`, `shape`, `delay`); compiles on
-    first call.
+    first call. The bare one knows no effect: the same arithmetic, and a fraction of the code to compile.
     """
-    source = woven_source()
+    source = woven_source(bare)
     name = f"fsm_calib_kernel_{hashlib.sha256(source.encode()).hexdigest()[:20]}"
     file = cache_folder() / f"{name}.py"
     if not file.exists():

@@ -203,7 +203,7 @@ def simulate_many(
     starts = np.tile(_start(x0), (len(matrix), 1))
     out = np.empty((len(matrix), samples.size, OUTPUTS))
     times, left, right = drive.padded(samples[0])
-    kernel().run_many(
+    kernel(bare=not on.any()).run_many(
         matrix, on, memory_places()[1], looks, times, left, right, samples, starts, track, dt, out
     )
     return out
