@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -51,20 +52,12 @@ def diagnose_command(
 ) -> None:
     """Compare recordings with the simulation: locate the mismatch, name the physics, show the fit improve."""
     from fsm_calib.diagnosis.diagnose import diagnose
-    from fsm_calib.errors import InputError, UnknownNameError
     from fsm_calib.recording import read_recording
     from fsm_calib.report.diagnosis_progress import DiagnosisProgress
     from fsm_calib.scenario.world import physics_of
     from fsm_calib.world2d.effects import registry
 
-    for name in without or ():
-        if name not in registry():
-            raise UnknownNameError("effect", name, registry(), where="--without")
-    for path in (json_file, world):
-        if path is not None and str(path) != "-" and not path.parent.is_dir():
-            raise InputError("the folder of the output file does not exist", where=str(path))
-    if report is not None and report.exists() and not report.is_dir():
-        raise InputError("the report needs a folder, this is a file", where=str(report))
+    _refuse_wrong_use(without or (), (json_file, world), report)
     given = world if world is not None and world.exists() else None
     physics = physics_of(given) if given is not None else None
     train = [read_recording(path) for path in recordings]
@@ -94,6 +87,21 @@ def diagnose_command(
             report.mkdir(parents=True, exist_ok=True)
             _write(report / "world.yaml", world_text(result))
             typer.echo(f"report: {write_report(result, report)}")
+
+
+def _refuse_wrong_use(without: Iterable[str], files: Iterable[Path | None], report: Path | None) -> None:
+    """Raise `InputError` for unknown effects and for output that cannot be written, before any work is done."""
+    from fsm_calib.errors import InputError, UnknownNameError
+    from fsm_calib.world2d.effects import registry
+
+    for name in without:
+        if name not in registry():
+            raise UnknownNameError("effect", name, registry(), where="--without")
+    for path in files:
+        if path is not None and str(path) != "-" and not path.parent.is_dir():
+            raise InputError("the folder of the output file does not exist", where=str(path))
+    if report is not None and report.exists() and not report.is_dir():
+        raise InputError("the report needs a folder, this is a file", where=str(report))
 
 
 def _write(path: Path | None, text: str) -> None:
