@@ -118,3 +118,12 @@ def test_the_table_tells_errors_coverage_and_time_by_what_was_recorded():
     assert rows["seconds without encoders, median / max"] == "6.0 / 8.0 (n 2)"
     assert rows["seconds with encoders, median / max"] == "-"
     assert rows["stated confidence, mean / share right"] == "0.900 / 1.000"
+
+
+def test_either_name_of_a_pair_counts_as_a_right_first_name():
+    said = verdict(effect("payload_offset"))
+    rows = dict(
+        (name, value)
+        for name, value, _ in confidence_rows([(key_line("coulomb_friction+payload_offset"), said)])
+    )
+    assert rows["stated confidence, mean / share right"] == "0.900 / 1.000"
