@@ -7,7 +7,7 @@ import pytest
 from recording_samples import ROOT
 
 from fsm_calib.diagnosis.identify import identify
-from fsm_calib.diagnosis.identify_filter import sway
+from fsm_calib.diagnosis.identify_filter import settling_noise, sway
 from fsm_calib.diagnosis.identify_inputs import Wheels
 from fsm_calib.diagnosis.identify_likelihood import Problem, maximise
 from fsm_calib.diagnosis.identify_motion import arc, body_motion, dead_reckon, sensor_motion
@@ -202,3 +202,11 @@ def test_noise_level_counts_the_parameters_that_were_fitted():
     found = maximise(problem, np.zeros(8), 4, spare=7).parameters[6]
     left = seen - design @ np.linalg.lstsq(design, seen, rcond=None)[0]
     assert np.exp(2.0 * found) == pytest.approx((left**2).sum() / (12 - 6), rel=0.05)
+
+
+@pytest.mark.parametrize(("h", "tau"), [(0.05, 0.1), (0.3, 0.1), (0.05, 40.0), (1e-4, 0.2)])
+def test_settling_noise_agrees_with_its_integrals(h, tau):
+    late = (np.arange(20000) + 0.5) * h / 20000  # age of a push at the end of the step
+    way, speed = tau * (1.0 - np.exp(-late / tau)), np.exp(-late / tau)
+    expected = [2.0 * h * np.mean(product) for product in (way * way, way * speed, speed * speed)]
+    assert settling_noise(h, tau, 2.0) == pytest.approx(expected, rel=1e-4)

@@ -44,6 +44,7 @@ DIFFUSE_ANGLE = 1e1  # rad2
 FIRST_SPEED, FIRST_TURN_RATE = 0.5, 5.0  # m/s, rad/s: a recording may begin while the robot drives
 STILL_SPEED, STILL_TURN_RATE = 0.005, 0.05  # m/s, rad/s: slower without a command, the robot stands
 STILL_NOISE = 1e-4  # factor on the noise while it stands
+SHORT = 1e-3  # of a time constant: shorter steps take the noise's integrals by their series
 FRESH = 1e6  # factor: after a hole in the log the speeds are as good as unknown
 
 
@@ -106,6 +107,19 @@ def _predict_wheels(s, P, d, turn, aside, q_f, q_t, way):  # type: ignore[no-unt
 
 
 @njit(cache=True, error_model="numpy")
+def settling_noise(h, tau, q):  # type: ignore[no-untyped-def]
+    """Return variance of the way, its covariance with the speed and the speed's variance after h seconds of white
+    acceleration of density q that is forgotten with the time constant tau.
+    """
+    lost = 1.0 - math.exp(-h / tau)
+    speed = q * tau / 2.0 * lost * (2.0 - lost)
+    cross = q * tau * tau / 2.0 * lost * lost
+    if h < SHORT * tau:  # the difference below would lose its digits
+        return q * h * h * h / 3.0 * (1.0 - 0.75 * h / tau), cross, speed
+    return tau * tau * (q * h - 2.0 * q * tau * lost) + tau * tau * speed, cross, speed
+
+
+@njit(cache=True, error_model="numpy")
 def _predict_commands(s, P, h, V, W, tau_f, tau_t, q_f, q_t):  # type: ignore[no-untyped-def]
     """Let the speeds settle toward (V, W) for h seconds and move on the arc; P grows by
     random accelerations.
@@ -119,17 +133,17 @@ def _predict_commands(s, P, h, V, W, tau_f, tau_t, q_f, q_t):  # type: ignore[no
     aside = sway(d, turn, (s[3] - V) * (ef - 1.0) * h, (s[4] - W) * (et - 1.0) * h)
     dx, dy = chord * c - aside * sn, chord * sn + aside * c
     _carry(P, -dy, dx, gf * c, gf * sn, -dy * gt / 2.0, dx * gt / 2.0, gt, ef, et)
-    # integrals of white acceleration, exact for h << tau, which the steps keep
-    P[3, 3] += q_f * h
-    P[4, 4] += q_t * h
-    path, cross = q_f * h * h * h / 3.0, q_f * h * h / 2.0
-    P[0, 0] += path * c * c
-    P[1, 1] += path * sn * sn
-    P[2, 2] += q_t * h * h * h / 3.0
-    _add_pair(P, 0, 1, path * c * sn)
+    way, cross, speed = settling_noise(h, tau_f, q_f)
+    P[0, 0] += way * c * c
+    P[1, 1] += way * sn * sn
+    P[3, 3] += speed
+    _add_pair(P, 0, 1, way * c * sn)
     _add_pair(P, 0, 3, cross * c)
     _add_pair(P, 1, 3, cross * sn)
-    _add_pair(P, 2, 4, q_t * h * h / 2.0)
+    way, cross, speed = settling_noise(h, tau_t, q_t)
+    P[2, 2] += way
+    P[4, 4] += speed
+    _add_pair(P, 2, 4, cross)
     s[0] += dx
     s[1] += dy
     s[2] += turn
