@@ -133,7 +133,9 @@ def drag_columns(run: int, s: Situation, areas: Sequence[Area]) -> FloatArray:
             inside = area.holds(s.x - arm * np.sin(s.heading), s.y + arm * np.cos(s.heading))
             loss[side, :, i] = -inside * np.tanh((s.v - arm * s.omega) / 0.02)
     spread = np.array([area.spread for area in areas])
-    return body_columns(s, forward=0.5 * (loss[0] + loss[1]), turn=0.5 * spread * (loss[1] - loss[0]) / s.half)
+    return body_columns(
+        s, forward=0.5 * (loss[0] + loss[1]), turn=0.5 * spread * (loss[1] - loss[0]) / s.half
+    )
 
 
 def slip_columns(run: int, s: Situation, areas: Sequence[Area]) -> FloatArray:
