@@ -13,7 +13,7 @@ from fsm_calib.actions.marker_map import extend, place
 from fsm_calib.actions.notebook import CameraFigures, MarkerReading, WheelRun
 from fsm_calib.actions.ratio import combined_ratio, run_from_readings
 from fsm_calib.actions.refining import judge, judge_refinement
-from fsm_calib.actions.settings import RatioSettings, TurnSettings
+from fsm_calib.actions.settings import DriveSettings, RatioSettings, TurnSettings
 from fsm_calib.actions.wheel_runs import path_length, update_ratio
 from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.types import BoardView, CameraModel, Pose2, TagObservation
@@ -179,7 +179,8 @@ def test_a_drive_that_veers_right_raises_k():
 @pytest.mark.parametrize(("combine", "ratio"), [(False, 1.0), (True, 0.996)])
 def test_a_quiet_drive_leaves_the_iterate_as_published_and_is_combined_otherwise(combine, ratio):
     readings, _ = drive_readings(0.004)
-    bench = Bench(NoRobot(), ActionSettings(ratio=RatioSettings(combine=combine)))
+    settings = ActionSettings(ratio=RatioSettings(combine=combine), drive=DriveSettings(distance=0.69))
+    bench = Bench(NoRobot(), settings)
     bench.notebook.readings, bench.notebook.last_duration = readings, 3.5
     bench.notebook.runs.append(run_from_readings(bench, 0.69))
     outcome = update_ratio(bench)

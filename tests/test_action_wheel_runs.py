@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from fsm_calib.actions import Bench, with_published
+from fsm_calib.actions import Bench, wheel_runs, with_published
 from fsm_calib.actions.notebook import MarkerReading, WheelRun
 from fsm_calib.actions.settings import ActionSettings
-from fsm_calib.actions.wheel_runs import drive_forward, learn_yaw, update_ratio
+from fsm_calib.actions.wheel_runs import drive_back, drive_forward, learn_yaw, update_ratio
 from fsm_calib.types import STOP, Pose2, TagObservation, WheelCommand
 
 
@@ -60,6 +60,24 @@ def test_a_camera_yaw_learnt_in_between_is_no_obstacle() -> None:
     bench = bench_after_a_drive(back_at=0.3 + 0.045)
     bench.notebook.runs = [WheelRun(1.0, 0.7, 0.1, 0.0, 0.003, 1.0)]
     assert drive_forward(bench).trigger == "drive_finished"
+
+
+@pytest.mark.parametrize(
+    ("told", "sight", "trigger"),
+    [
+        (True, (), "drive_finished"),
+        (False, (marker(7, 0.33),), "drive_finished"),
+        (False, (marker(7, 0.3 + 0.25),), "robot_blocked"),
+        (False, (), "robot_blocked"),
+    ],
+)
+def test_a_way_back_that_ends_elsewhere_tells_an_obstacle_where_no_marker_told_the_way_there(
+    monkeypatch: pytest.MonkeyPatch, told: bool, sight: tuple[TagObservation, ...], trigger: str
+) -> None:
+    bench = bench_after_a_drive(back_at=0.3)
+    bench.notebook.is_length_told = told
+    monkeypatch.setattr(wheel_runs, "look_at_markers", lambda bench: sight)
+    assert drive_back(bench).trigger == trigger
 
 
 def test_as_published_nothing_looks_for_obstacles() -> None:

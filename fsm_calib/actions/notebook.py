@@ -133,6 +133,8 @@ class Notebook:
         Last heading of the nearest marker [rad].
     last_step : Pose2
         Motion of the last drive in the frame of its start.
+    is_length_told : bool
+        Whether the markers told the length of the last drive (else it is speed times time).
     yaw_weight : float
         Sum of the squared lengths of the drives that told the camera's yaw [m^2].
     last_duration : float
@@ -183,6 +185,7 @@ class Notebook:
     reading: MarkerReading | None = None
     heading: float = 0.0
     last_step: Pose2 = field(default_factory=Pose2)
+    is_length_told: bool = True
     yaw_weight: float = 0.0
     last_duration: float = 0.0
     last_ratio: float = 1.0

@@ -31,6 +31,7 @@ def drive_forward(bench: Bench) -> Outcome:
         return DRIVE_BLOCKED
     notebook.last_duration = _duration(bench)
     notebook.last_ratio = notebook.wheel_ratio
+    notebook.is_length_told = True
     settings = bench.settings
     while True:
         drive(bench, notebook.last_duration, notebook.last_ratio)
@@ -45,9 +46,15 @@ def drive_forward(bench: Bench) -> Outcome:
 
 
 def drive_back(bench: Bench) -> Outcome:
-    """Drive back for as long as the last drive forward, with the k that it used."""
+    """Drive back for as long as the last drive forward, with the k that it used.
+
+    After a drive whose length no marker told, a way back that ends elsewhere, by the markers it began with: the
+    robot was held up on the way there.
+    """
     notebook = bench.notebook
     drive(bench, notebook.last_duration, notebook.last_ratio, backward=True)
+    if not notebook.is_length_told and _has_lost_its_start(bench):
+        return DRIVE_BLOCKED
     return Outcome("drive_finished", {"duration": round(notebook.last_duration, 4)}, "Driven back.")
 
 
@@ -60,6 +67,7 @@ def measure_ratio(bench: Bench) -> Outcome:
     if isinstance(reading, Outcome):
         return reading
     distance, seen = driven(bench, start, reading)
+    notebook.is_length_told = seen
     if seen and _fell_short(bench, distance):
         return DRIVE_BLOCKED
     if seen:
@@ -123,13 +131,27 @@ def _ended_elsewhere(bench: Bench) -> bool:
     It catches an obstacle that hides the markers behind it: the drive's length is not known then, but the way
     back is longer than the way there.
     """
-    notebook, settings = bench.notebook, bench.settings.drive
+    notebook = bench.notebook
     if not notebook.runs or notebook.reading is None or bench.settings.ratio.equation == "published":
         return False
+    return _is_elsewhere(bench, notebook.reading.tags) is True
+
+
+def _has_lost_its_start(bench: Bench) -> bool:
+    """Whether a frame shows the first markers of the last drive elsewhere, or none of them."""
+    tags = look_at_markers(bench)
+    if isinstance(tags, Outcome) or bench.settings.ratio.equation == "published":
+        return False  # a lost frame is told by the next look
+    return _is_elsewhere(bench, tags) is not False
+
+
+def _is_elsewhere(bench: Bench, tags: Sequence[TagObservation]) -> bool | None:
+    """Whether the markers that the last drive began with are far from where they were; None where none is seen."""
+    notebook, settings = bench.notebook, bench.settings.drive
     began, distance = notebook.readings[-2], notebook.runs[-1].distance
-    shifts = [math.hypot(a.x - b.x, a.y - b.y) for a, b in _common(began.tags, notebook.reading.tags)]
+    shifts = [math.hypot(a.x - b.x, a.y - b.y) for a, b in _common(began.tags, tags)]
     most = max((1.0 - settings.reached_share) * distance, settings.least_shift)
-    return bool(shifts) and median(shifts) > most
+    return median(shifts) > most if shifts else None
 
 
 def _common(
