@@ -14,7 +14,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from fsm_calib.perception.extrinsics import FLOOR_BOARD_OFFSET, calibrate_extrinsics, rectified_matrix
+from fsm_calib.perception.extrinsics import FLOOR_BOARD_OFFSET, calibrate_extrinsics
 from fsm_calib.perception.ground import tag_poses
 from fsm_calib.perception.intrinsics import calibrate
 from fsm_calib.perception.photos import find_in_photos, read_photo
@@ -28,6 +28,11 @@ TTIC = CameraModel(  # published with the photo
     640,
     480,
     "plumb_bob",
+)
+TTIC_PROJECTION = (
+    np.array(  # of the rectified image, published beside it in lib-dt-computer-vision, test_calibration.py
+        [[201.140274, 0.0, 319.558662], [0.0, 239.743988, 237.601510], [0.0, 0.0, 1.0]]
+    )
 )
 TAG_SIZE = 0.065  # m
 TAG_CAMERA = CameraModel(  # test_info.yaml beside the photos, which are rectified
@@ -60,13 +65,11 @@ def chessboards(folder: str, pattern: str, board: BoardSpec) -> None:
 def floor_board() -> None:
     """Print the mount that one photo of a board on the floor gives."""
     image = read_photo(PHOTOS / "duckiebot-extrinsic" / "ttic_board.jpg")
-    board, rectified = BoardSpec(7, 5, 0.031), rectified_matrix(TTIC)
-    found = calibrate_extrinsics(image, board, TTIC, FLOOR_BOARD_OFFSET, rectified)
-    middle = found.homography @ [(TTIC.width - 1) / 2.0, (TTIC.height - 1) / 2.0, 1.0]
+    found = calibrate_extrinsics(image, BoardSpec(7, 5, 0.031), TTIC, FLOOR_BOARD_OFFSET, TTIC_PROJECTION)
     print(
         f"ttic_board: height {found.mount.height:.4f} m, pitch {math.degrees(found.mount.pitch):.2f} deg; the "
-        f"optical axis meets the floor {found.axis_reach:.4f} m ahead of the axle, the middle of the rectified "
-        f"image {middle[0] / middle[2]:.4f} m (by hand: 0.40 m); fit {found.rms_px:.2f} px"
+        f"principal point, as Duckietown's software takes it, meets the floor {found.principal_point_reach:.4f} m "
+        f"ahead of the axle (by hand: 0.40 m), the optical axis {found.axis_reach:.4f} m; fit {found.rms_px:.2f} px"
     )
 
 

@@ -14,7 +14,7 @@ from typer.testing import CliRunner, Result
 import fsm_calib
 from fsm_calib.cli import app
 from fsm_calib.perception.camera_files import read_intrinsics
-from fsm_calib.perception.extrinsics import calibrate_extrinsics
+from fsm_calib.perception.extrinsics import Extrinsics, calibrate_extrinsics
 from fsm_calib.perception.ground import tag_poses
 from fsm_calib.perception.tags import find_tags
 from fsm_calib.types import BoardSpec, CameraModel
@@ -92,15 +92,36 @@ def test_the_wide_set_gets_the_lens_that_views_left_out_prefer(tmp_path: Path) -
     )  # the best of OpenCV's fixed models, see benchmarks/camera_peers.py
 
 
-def test_a_duckiebots_floor_board_gives_its_height() -> None:
+def ttic_floor_board(projection: np.ndarray) -> Extrinsics:
+    """Return what the photo of the floor board gives; matrices by Duckietown's lib-dt-computer-vision."""
     path = photos("duckiebot-extrinsic", "ttic_board.jpg")[0]
     matrix = np.array([[295.796, 0.0, 321.262], [0.0, 299.539, 241.736], [0.0, 0.0, 1.0]])
-    camera = CameraModel(
-        matrix, np.array([-0.235440, 0.036378, -0.003307, -0.001214, 0.0]), 640, 480, "plumb_bob"
-    )
-    found = calibrate_extrinsics(np.asarray(cv2.imread(str(path)), np.uint8), BoardSpec(7, 5, 0.031), camera)
+    distortion = np.array([-0.235440, 0.036378, -0.003307, -0.001214, 0.0])
+    camera = CameraModel(matrix, distortion, 640, 480, "plumb_bob")
+    image = np.asarray(cv2.imread(str(path)), np.uint8)
+    return calibrate_extrinsics(image, BoardSpec(7, 5, 0.031), camera, projection=projection)
+
+
+TTIC_PROJECTION = np.array([[201.140, 0.0, 319.559], [0.0, 239.744, 237.602], [0.0, 0.0, 1.0]])
+
+
+def test_a_duckiebots_floor_board_gives_its_height() -> None:
+    found = ttic_floor_board(TTIC_PROJECTION)
     assert found.mount.height == pytest.approx(0.100, abs=0.005)
-    assert found.axis_reach == pytest.approx(0.40, abs=0.015)
+
+
+def test_the_principal_point_meets_the_floor_where_it_was_measured_and_where_duckietown_computes_it() -> None:
+    found = ttic_floor_board(TTIC_PROJECTION)
+    assert found.principal_point_reach == pytest.approx(0.40, abs=0.01)  # by hand, when the photo was taken
+    published = 0.39335  # H (0, 0, 1) of the homography in that package's test_reprojection.py
+    assert found.principal_point_reach == pytest.approx(published, abs=0.002)
+    assert found.axis_reach == pytest.approx(0.4125, abs=0.002)
+
+
+def test_the_two_points_are_one_where_rectifying_keeps_the_matrix() -> None:
+    matrix = np.array([[295.796, 0.0, 321.262], [0.0, 299.539, 241.736], [0.0, 0.0, 1.0]])
+    found = ttic_floor_board(matrix)
+    assert found.principal_point_reach == pytest.approx(found.axis_reach, rel=1e-9)
 
 
 def test_a_turned_tag_is_read_within_four_degrees_of_its_labels() -> None:

@@ -31,17 +31,20 @@ FLOOR_BOARD_OFFSET = (0.16, -0.124)  # m; lib-dt-computer-vision boards.py, the 
 
 @dataclass(frozen=True, eq=False)
 class Extrinsics:
-    """The mount, the floor homography (3, 3) of rectified pixels, the fit's rms [px], and the axis's reach
-    [m].
+    """The mount, the floor homography (3, 3) of rectified pixels, the fit's rms [px], and two points [m].
 
     mount comes from the pose of the board (six unknowns), homography from the corners directly (eight);
-    axis_reach is where the homography sends the optical axis (the principal point), ahead of the axle [m].
+    axis_reach is where the homography sends the optical axis: the principal point of the rectified image.
+    principal_point_reach is where it sends the pixel (cx, cy) of the raw image's matrix, taken in the rectified
+    image: what Duckietown's software calls the principal point (camera/types.py and test_calibration.py of
+    lib-dt-computer-vision). Both ahead of the axle; they are one where rectifying keeps the matrix.
     """
 
     mount: CameraMount
     homography: FloatArray
     rms_px: float
     axis_reach: float
+    principal_point_reach: float
 
 
 def board_points_base(board: BoardSpec, offset: tuple[float, float] = FLOOR_BOARD_OFFSET) -> FloatArray:
@@ -114,7 +117,8 @@ def extrinsics_of(
     reach = direct[0, 2] / direct[2, 2]
     matrix = camera.matrix if projection is None else projection[:3, :3]
     homography = direct @ np.linalg.inv(matrix)
-    return Extrinsics(mount, homography / homography[2, 2], rms, float(reach))
+    pixel = homography @ camera.matrix[:, 2]
+    return Extrinsics(mount, homography / homography[2, 2], rms, float(reach), float(pixel[0] / pixel[2]))
 
 
 def _direct_homography(
