@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import os
 import re
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fsm_calib.cli_files import check_places, tell_result, write_file
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.types import BoardSpec
 
@@ -36,7 +35,9 @@ def calibrate_camera(
         list[str], typer.Option(help="Inner corners, COLUMNSxROWS.", metavar="9x6", show_default=False)
     ],
     square: Annotated[float, typer.Option(help="Side of a square [m]; it scales distances only.")] = 0.025,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the result as JSON.")] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the result as JSON; - for standard output.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Write a camera_info YAML (ROS, Duckietown).")] = None,
     report: Annotated[
         Path | None, typer.Option(help="Write a page with the error map and residuals.")
@@ -51,8 +52,9 @@ def calibrate_camera(
     check_places(json_file, out, report)
     photos = find_in_photos(images, spec)
     result = calibrate(photos.views, spec, photos.image_size)
-    _write_all(result, photos, spec, json_file, report)
-    typer.echo(summary_text(result, photos, len(images)))
+    tell_result(result_json(result, photos), summary_text(result, photos, len(images)), json_file)
+    if report is not None:
+        _write_report(report, result, photos, spec)
     if result.refused:
         raise DataError(f"the calibration is refused: {result.reason}", cure="Take views of the whole image.")
     if out is not None:
@@ -86,24 +88,6 @@ def parse_board(texts: Sequence[str], square: float) -> BoardSpec:
     return BoardSpec(columns, rows, square)
 
 
-def check_places(*files: Path | None) -> None:
-    """Refuse files that cannot be written, before the work rather than after it.
-
-    Raises
-    ------
-    InputError
-        The folder is missing, is no folder or may not be written to, or the file is a folder.
-    """
-    for path in (file for file in files if file is not None):
-        folder = path.parent
-        if not folder.is_dir():
-            raise InputError(
-                "cannot be written: no such folder", where=str(path), cure=f"Create {folder} first."
-            )
-        if path.is_dir() or not os.access(path if path.exists() else folder, os.W_OK):
-            raise InputError("cannot be written", where=str(path), cure="Give a file that may be written.")
-
-
 def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str:
     """Return what a person wants to know, some twenty lines."""
     from fsm_calib.report.camera_words import parameter_rows, verdict
@@ -128,24 +112,24 @@ def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str
     return "\n".join([*lines, verdict(result)])
 
 
-def _write_all(
-    result: CameraCalibration, photos: PhotoSet, spec: BoardSpec, json_file: Path | None, report: Path | None
-) -> None:
+def result_json(result: CameraCalibration, photos: PhotoSet) -> dict[str, Any]:
+    """Return the camera with what became of each photo."""
     from fsm_calib.perception.camera_files import calibration_json
+
+    data = calibration_json(result)
+    dropped = [{"file": drop.source, "reason": drop.reason} for drop in photos.dropped]
+    data["views_dropped"] = dropped + data["views_dropped"]
+    data["boards_found"] = len(photos.views)
+    return data
+
+
+def _write_report(report: Path, result: CameraCalibration, photos: PhotoSet, spec: BoardSpec) -> None:
     from fsm_calib.perception.photos import read_photo
+    from fsm_calib.report.camera_report import camera_report
 
-    if json_file is not None:
-        data = calibration_json(result)
-        dropped = [{"file": drop.source, "reason": drop.reason} for drop in photos.dropped]
-        data["views_dropped"] = dropped + data["views_dropped"]
-        data["boards_found"] = len(photos.views)
-        json_file.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
-    if report is not None:
-        from fsm_calib.report.camera_report import camera_report
-
-        source = photos.views[0].source
-        example = (Path(source).name, read_photo(Path(source), colour=True))
-        report.write_text(camera_report(result, photos.views, spec, example), encoding="utf-8")
+    source = photos.views[0].source
+    example = (Path(source).name, read_photo(Path(source), colour=True))
+    write_file(report, camera_report(result, photos.views, spec, example))
 
 
 def _write_camera_info(out: Path, result: CameraCalibration, name: str) -> None:

@@ -6,9 +6,14 @@ import json
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from fsm_calib.cli_files import check_places, print_findings, tell_result, write_file
+
+if TYPE_CHECKING:
+    from fsm_calib.diagnosis.diagnose import Diagnosis
 
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(
@@ -62,9 +67,7 @@ def diagnose_command(
     physics = physics_of(given) if given is not None else None
     train = [read_recording(path) for path in recordings]
     new = [read_recording(path) for path in holdout or ()]
-    for recording in train + new:
-        for finding in recording.checks:
-            typer.echo(f"{recording.source}: {finding}", err=True)
+    print_findings(train + new)
     with DiagnosisProgress(len(registry())) as bar:
         result = diagnose(train, new, without=without or (), world=physics, progress=bar.part, seed=seed)
     for note in result.notes:
@@ -72,21 +75,8 @@ def diagnose_command(
     if given is not None:
         typer.echo(f"compared with the robot of {given}", err=True)
     plain = result.verdict.as_json()
-    if str(json_file) == "-":
-        typer.echo(json.dumps(plain, indent=1, allow_nan=False))
-    else:
-        typer.echo("\n".join(summary_lines(plain)))
-    _write(json_file, json.dumps(plain, indent=1, allow_nan=False) + "\n")
-    if world is not None or report is not None:
-        from fsm_calib.report.diagnosis_world import world_text
-
-        _write(None if given is not None else world, world_text(result))
-        if report is not None:
-            from fsm_calib.report.diagnosis_report import write_report
-
-            report.mkdir(parents=True, exist_ok=True)
-            _write(report / "world.yaml", world_text(result))
-            typer.echo(f"report: {write_report(result, report)}")
+    tell_result(plain, "\n".join(summary_lines(plain)), json_file)
+    _write_world(result, None if given is not None else world, report)
 
 
 def _refuse_wrong_use(without: Iterable[str], files: Iterable[Path | None], report: Path | None) -> None:
@@ -97,23 +87,25 @@ def _refuse_wrong_use(without: Iterable[str], files: Iterable[Path | None], repo
     for name in without:
         if name not in registry():
             raise UnknownNameError("effect", name, registry(), where="--without")
-    for path in files:
-        if path is not None and str(path) != "-" and not path.parent.is_dir():
-            raise InputError("the folder of the output file does not exist", where=str(path))
+    check_places(*files)
     if report is not None and report.exists() and not report.is_dir():
         raise InputError("the report needs a folder, this is a file", where=str(report))
 
 
-def _write(path: Path | None, text: str) -> None:
-    """Write a file unless it is None or standard output."""
-    from fsm_calib.errors import InputError
+def _write_world(result: Diagnosis, world: Path | None, report: Path | None) -> None:
+    """Write the improved world to its own file, and with the page into the report's folder; None for neither."""
+    from fsm_calib.report.diagnosis_report import write_report
+    from fsm_calib.report.diagnosis_world import world_text
 
-    if path is None or str(path) == "-":
+    if world is None and report is None:
         return
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot write the file: {error.strerror}", where=str(path)) from error
+    text = world_text(result)
+    if world is not None:
+        write_file(world, text)
+    if report is not None:
+        report.mkdir(parents=True, exist_ok=True)
+        write_file(report / "world.yaml", text)
+        typer.echo(f"report: {write_report(result, report)}")
 
 
 def summary_lines(plain: dict[str, Any]) -> list[str]:

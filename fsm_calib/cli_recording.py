@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from fsm_calib.cli_files import check_places, print_findings, tell_result
 
 
 def register(app: typer.Typer) -> None:
@@ -34,15 +35,11 @@ def identify_command(
 ) -> None:
     """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
     from fsm_calib.diagnosis.identify import identify
-    from fsm_calib.errors import InputError
     from fsm_calib.recording import read_recording
 
-    if json_file is not None and str(json_file) != "-" and not json_file.parent.is_dir():
-        raise InputError("the folder of the JSON file does not exist", where=str(json_file))
+    check_places(json_file)
     loaded = [read_recording(path, tag_map) for path in recordings]
-    for recording in loaded:
-        for finding in recording.checks:
-            typer.echo(f"{recording.source}: {finding}", err=True)
+    print_findings(loaded)
     if world is None:
         result = identify(loaded)
     else:
@@ -50,16 +47,8 @@ def identify_command(
         from fsm_calib.scenario.world import physics_of
 
         result = identify_in_world(loaded, physics_of(world))
-    text = json.dumps(result.to_json(), indent=1, allow_nan=False)
-    if str(json_file) == "-":
-        typer.echo(text)
-        return
-    typer.echo("\n".join(_lines(result.to_json())))
-    if json_file is not None:
-        try:
-            json_file.write_text(text + "\n", encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"cannot write the file: {error.strerror}", where=str(json_file)) from error
+    plain = result.to_json()
+    tell_result(plain, "\n".join(_lines(plain)), json_file)
 
 
 def _lines(plain: dict) -> list[str]:  # type: ignore[type-arg]

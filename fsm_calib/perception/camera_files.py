@@ -145,7 +145,7 @@ def calibration_json(calibration: CameraCalibration) -> dict[str, Any]:
         "rms_px": calibration.rms_px,
         "mean_px": calibration.mean_px,
         "paper_px": calibration.paper_px,
-        "predicted_px": calibration.predicted_px,
+        "predicted_px": _finite(calibration.predicted_px),
         "cross_validated_px": _finite(calibration.cross_validated_px),
         "noise_px": calibration.noise_px,
         "views_used": calibration.views_used,
@@ -157,8 +157,8 @@ def calibration_json(calibration: CameraCalibration) -> dict[str, Any]:
             {
                 "coefficients": trial.coefficients,
                 "rms_px": trial.rms_px,
-                "cross_validated_px": trial.cross_validated_px,
-                "predicted_px": trial.predicted_px,
+                "cross_validated_px": _finite(trial.cross_validated_px),
+                "predicted_px": _finite(trial.predicted_px),
                 "verdict": trial.verdict,
             }
             for trial in calibration.models

@@ -1,0 +1,69 @@
+"""What commands share about files: places refused before the work, files written after it, findings told."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from fsm_calib.errors import InputError
+
+if TYPE_CHECKING:
+    from fsm_calib.recording.recording import Recording
+
+STANDARD_OUTPUT = Path("-")
+
+
+def check_places(*files: Path | None) -> None:
+    """Refuse files that cannot be written, before the work rather than after it.
+
+    None and `-`, standard output, are no files.
+
+    Raises
+    ------
+    InputError
+        The folder is missing, is no folder or may not be written to, or the file is a folder.
+    """
+    for path in files:
+        if path is None or path == STANDARD_OUTPUT:
+            continue
+        folder = path.parent
+        if not folder.is_dir():
+            raise InputError(
+                "cannot be written: no such folder", where=str(path), cure=f"Create {folder} first."
+            )
+        if path.is_dir() or not os.access(path if path.exists() else folder, os.W_OK):
+            raise InputError("cannot be written", where=str(path), cure="Give a file that may be written.")
+
+
+def write_file(path: Path, text: str) -> None:
+    """Write a text file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", where=str(path)) from error
+
+
+def tell_result(plain: Mapping[str, Any], words: str, json_file: Path | None) -> None:
+    """Print a result in words and write it as JSON; with `-` for the file print the JSON instead."""
+    text = json.dumps(plain, indent=1, allow_nan=False)
+    typer.echo(text if json_file == STANDARD_OUTPUT else words)
+    if json_file is not None and json_file != STANDARD_OUTPUT:
+        write_file(json_file, text + "\n")
+
+
+def print_findings(recordings: Iterable[Recording]) -> None:
+    """Print what the recordings' checks found, to standard error."""
+    for recording in recordings:
+        for finding in recording.checks:
+            typer.echo(f"{recording.source}: {finding}", err=True)
