@@ -5,10 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fsm_calib.actions.settings import ActionSettings
 from fsm_calib.errors import InputError
+from fsm_calib.scenario.load import scenario_from
+from fsm_calib.scenario.settings import actions_of
 from fsm_calib.scenario.world import world_of
 from fsm_calib.scenario.yaml_source import parse_yaml
 from fsm_calib.study.load import load_study, study_from, study_of_text, study_text
+from fsm_calib.study.models import RobotScenario
 from fsm_calib.study.schema import study_schema_text
 from fsm_calib.study.store import identity
 from fsm_calib.study.variants import Variant, scenario_of_robot, seed_of, variants_of
@@ -78,6 +82,38 @@ def test_a_swept_setting_reaches_the_world():
     loaded = study(text)
     scenario = scenario_of_robot(loaded, variants_of(loaded)[1], 0)
     assert world_of(scenario).robot.effects["wheel_slip.slip_speed"] == 0.05
+
+
+SHORT_FIELD = "name: x\nscenario: {scene: {field: {columns: 7}}}"
+SWEPT_FIELD = (
+    "name: x\nsweeps:\n  - {name: c, setting: scene.field.columns, whole: true, values: [7], unit: markers}"
+)
+
+DISTANCE = "  - {name: d, setting: actions.drive.distance, values: [1.25]}"
+
+
+def drive_distance(scenario):
+    return actions_of(scenario, world_of(scenario).scene).drive.distance
+
+
+@pytest.mark.parametrize(("text", "variant"), [(SHORT_FIELD, 0), (SWEPT_FIELD, 1)], ids=["given", "swept"])
+def test_a_robot_of_a_study_shortens_its_drives_to_the_field_as_a_robot_by_itself_does(text, variant):
+    loaded = study_of_text(study_text(study(text)))  # as a worker sees it
+    robot = scenario_of_robot(loaded, variants_of(loaded)[variant], 0)
+    alone = scenario_from(parse_yaml("name: x\nscene: {field: {columns: 7}}", "alone.yaml"))
+    assert drive_distance(robot) == drive_distance(alone) < ActionSettings().drive.distance
+
+
+def test_a_distance_that_the_study_gives_is_kept_in_every_variant():
+    loaded = study(f"{SHORT_FIELD}\nsweeps:\n{DISTANCE}")
+    robot = scenario_of_robot(loaded, variants_of(loaded)[1], 0)
+    assert drive_distance(robot) == 1.25
+
+
+def test_what_a_study_does_not_give_has_the_defaults_of_studies():
+    scenario = scenario_of_robot(study("name: x"), Variant(), 0)
+    assert scenario.plan == RobotScenario().plan
+    assert scenario.output == RobotScenario().output
 
 
 def test_a_robots_seed_depends_on_study_seed_and_number_alone():

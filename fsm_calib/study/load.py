@@ -63,8 +63,8 @@ def _check_variants(study: Study, document: YamlDocument) -> None:
 
 
 def study_text(study: Study) -> str:
-    """Return a study as one line of JSON, the form in which it travels to workers."""
-    return json.dumps(study.model_dump(mode="json"), sort_keys=True)
+    """Return what is given of a study as one line of JSON, the form in which it travels to workers."""
+    return json.dumps(study.model_dump(mode="json", exclude_unset=True), sort_keys=True)
 
 
 @lru_cache(maxsize=8)

@@ -27,7 +27,9 @@ Key = tuple[str, int]
 
 def identity(study: Study) -> dict[str, str]:
     """Return what rows must have in common to stand in one file: everything but how many robots."""
-    text = study_text(study.model_copy(update={"robots": 1, "variant_robots": 1, "title": ""}))
+    same = study.model_copy(update={"robots": 1, "variant_robots": 1, "title": ""})
+    every = json.dumps(same.model_dump(mode="json"), sort_keys=True)  # defaults may differ between versions
+    text = study_text(same) + every
     return {"study": hashlib.sha256(text.encode()).hexdigest(), "version": version("fsm-calib")}
 
 

@@ -13,7 +13,7 @@ from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.scenario.explain import dotted
 from fsm_calib.scenario.mirrors import PUBLISHED_ACTIONS, PUBLISHED_LIMITS
 from fsm_calib.scenario.models import Scenario
-from fsm_calib.study.models import Study
+from fsm_calib.study.models import RobotScenario, Study
 from fsm_calib.world2d.fleet import FLEET, draw_camera, draw_mount
 
 BASE = "base"
@@ -60,34 +60,46 @@ def robot_name(robot: int) -> str:
 def scenario_of_variant(study: Study, variant: Variant) -> Scenario:
     """Return the scenario that every robot of a variant goes through.
 
+    Only what the study's file says counts as given: what the area's drawing tells is still taken from it.
+
     Raises
     ------
     InputError
         When the swept setting does not exist or does not take the value.
     """
-    data = study.scenario.model_dump(mode="json")
-    data["published"] = list(dict.fromkeys([*data["published"], *variant.published]))
+    data = study.scenario.model_dump(mode="json", exclude_unset=True)
+    data["published"] = list(dict.fromkeys([*study.scenario.published, *variant.published]))
     if variant.setting:
+        _check(study.scenario.model_dump(mode="json"), variant.setting)
         _set(data, variant.setting, variant.value)
     try:
-        return Scenario.model_validate(data)
+        return RobotScenario.model_validate(data)
     except ValidationError as error:
         details = error.errors(include_url=False)[0]
         raise InputError(f"{dotted(details['loc'])}: {details['msg']}", where=variant.setting) from error
 
 
-def _set(data: dict[str, Any], path: str, value: float) -> None:
-    """Set the value at a dotted path of nested mappings; what is off (null) is switched on."""
-    names = path.split(".")
+def _check(every: Mapping[str, Any], path: str) -> None:
+    """Refuse a dotted path that leads nowhere in `every`, all settings of a scenario; below what is off (null) or
+    empty the scenario itself checks.
+    """
+    names, section = path.split("."), every
     for depth, name in enumerate(names):
-        if not isinstance(data, Mapping) or (data and name not in data):
-            known = data if isinstance(data, Mapping) else ()
+        if not isinstance(section, Mapping) or name not in section:
+            known = section if isinstance(section, Mapping) else ()
             raise UnknownNameError("setting", name, known, where=".".join(names[:depth]))
-        if depth == len(names) - 1:
-            data[name] = value
-        else:
-            data[name] = data.get(name) or {}
-            data = data[name]
+        if not section[name] and isinstance(section[name], Mapping | None):
+            return
+        section = section[name]
+
+
+def _set(data: dict[str, Any], path: str, value: float) -> None:
+    """Set the value at a dotted path of nested mappings; what is off (null) or not given is switched on."""
+    *sections, last = path.split(".")
+    for name in sections:
+        data[name] = data.get(name) or {}
+        data = data[name]
+    data[last] = value
 
 
 def scenario_of_robot(study: Study, variant: Variant, robot: int) -> Scenario:
