@@ -18,7 +18,7 @@ from fsm_calib.diagnosis.hypotheses import (
     declared_starts,
     hypotheses_of,
     slots_of,
-    with_values,
+    switched_off,
 )
 from fsm_calib.diagnosis.scan import Candidate, Scanner
 from fsm_calib.diagnosis.situation import situation
@@ -181,7 +181,7 @@ class Bank:
             start.values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope, linear=linear
         )
         if fit.score < self.parent.score:  # too bold a start: creep away from the parent's point instead
-            values = self._switched_off(hypothesis, start)
+            values = switched_off(start.values, (hypothesis.effect,))
             fit = self.engine.fit(
                 values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope, linear=True
             )
@@ -204,12 +204,6 @@ class Bank:
             fit = self._at_parent(fit)
         gain = fit.score - self.parent.score
         return Ranked(hypothesis, fit, evidence_of(fit, self.parent, self.engine.count), gain)
-
-    def _switched_off(self, hypothesis: Hypothesis, start: Start) -> FloatArray:
-        """Return the start's parameters (R, p) with the effect's strengths at their null values."""
-        effect = registry()[hypothesis.effect]
-        nulls = {f"{effect.name}.{name}": effect.parameter(name).null for name in effect.strengths}
-        return with_values(start.values, nulls)
 
     def _at_parent(self, fit: Fit) -> Fit:
         """Return the parent's point as a point of the larger model: the effect found nothing to explain."""

@@ -23,10 +23,10 @@ import numpy as np
 from fsm_calib.diagnosis.fit import Engine, Fit, simulate_all
 from fsm_calib.diagnosis.forms import forms
 from fsm_calib.diagnosis.gates import Gates
+from fsm_calib.diagnosis.hypotheses import switched_off
 from fsm_calib.diagnosis.likelihood import robust_weights
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.parameters import parameter_table
 
 MOST_INSTEAD = 5  # forms that may stand in for an effect
 MOST_BESIDE = 3
@@ -151,16 +151,6 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
         s.prepared.recording.command is None for s in engine.simulators
     )
     return Contest(*_best(instead, path, pool), *_best(beside, more, pool), explained, loose)
-
-
-def switched_off(values: FloatArray, effects: Sequence[str]) -> FloatArray:
-    """Return a copy of `values` (R, p) with the strengths of `effects` at their null values."""
-    table, changed = parameter_table(), values.copy()
-    for name in effects:
-        effect = registry()[name]
-        for strength in effect.strengths:
-            changed[:, table.place(f"{name}.{strength}")] = effect.parameter(strength).null
-    return changed
 
 
 def _linear(engine: Engine, fit: Fit, residual: FloatArray, columns: FloatArray, count: int) -> Linear:

@@ -58,14 +58,12 @@ def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
     """Return the effect's fitted numbers; those that belong to a recording carry its number after the name."""
     table, effect = parameter_table(), registry()[ranked.name]
     found: dict[str, Estimate] = {}
-    for j, slot in enumerate(fit.slots):
+    for slot, value, variance in fit.numbers():
         if table.owner[slot.place] != ranked.name:
             continue
         entry = table.entries[slot.place]
         shared = slot.run == ALL_RUNS or ranked.hypothesis.run != ALL_RUNS
         name = entry.name if shared else f"{entry.name}_{slot.run + 1}"
-        value = float(fit.values[max(slot.run, 0), slot.place])
-        variance = float(fit.covariance[j, j])
         found[name] = Estimate(value, with_doubt(effect, entry.name, value, variance), entry.unit)
     return found
 
@@ -74,10 +72,9 @@ def base_estimates(fit: Fit) -> dict[str, Estimate]:
     """Return the base robot's fitted numbers."""
     table = parameter_table()
     found = {}
-    for j, slot in enumerate(fit.slots):
+    for slot, value, variance in fit.numbers():
         if table.owner[slot.place] == "":
-            spread = math.sqrt(max(float(fit.covariance[j, j]), 0.0))
-            value, unit = float(fit.values[0, slot.place]), table.entries[slot.place].unit
+            spread, unit = math.sqrt(max(variance, 0.0)), table.entries[slot.place].unit
             found[table.names[slot.place]] = Estimate(value, spread, unit)
     return found
 

@@ -8,8 +8,8 @@ whether a step is taken. Source: Nocedal & Wright, Numerical Optimization, 2nd e
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -69,7 +69,18 @@ class Fit:
 
     def slot_values(self) -> FloatArray:
         """Return the current numbers in the slots, shape (m,)."""
-        return np.array([self.values[max(slot.run, 0), slot.place] for slot in self.slots])
+        return slot_numbers(self.values, self.slots)
+
+    def numbers(self) -> Iterator[tuple[Slot, float, float]]:
+        """Yield each slot with its number and the variance of it."""
+        variances = np.diagonal(self.covariance)
+        for slot, value, variance in zip(self.slots, self.slot_values(), variances, strict=True):
+            yield slot, float(value), float(variance)
+
+
+def slot_numbers(values: FloatArray, slots: Sequence[Slot]) -> FloatArray:
+    """Return what stands in the slots of `values` (R, p), shape (m,)."""
+    return np.array([values[max(slot.run, 0), slot.place] for slot in slots])
 
 
 def with_slots(values: FloatArray, slots: Sequence[Slot], numbers: FloatArray) -> FloatArray:
@@ -124,10 +135,24 @@ def _nonzero_columns(whitener: Whitener, columns: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
+class WhiteKnown:
+    """Raw columns of a parent fit, the filters that they passed, and what came out, (N, q)."""
+
+    raw: Sequence[FloatArray]
+    whiteners: Sequence[Whitener]
+    white: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Engine:
-    """The recordings of one robot and how to fit them."""
+    """The recordings of one robot and how to fit them.
+
+    It remembers filters and whitened columns that many fits in a row share; results do not depend on it.
+    """
 
     simulators: tuple[Simulator, ...]
+    _filters: dict[bytes, list[Whitener]] = field(default_factory=dict, init=False, repr=False)
+    _last_known: list[WhiteKnown] = field(default_factory=list, init=False, repr=False)
 
     @property
     def nu(self) -> float:
@@ -142,7 +167,7 @@ class Engine:
     def whiteners(self, noise: Noise) -> list[Whitener]:
         """Return one filter a recording; the last few noises are remembered, since many fits share one."""
         key = noise.vector().tobytes()
-        kept: dict[bytes, list[Whitener]] = self.__dict__.setdefault("_whiteners", {})
+        kept = self._filters
         if key not in kept:
             if len(kept) >= REMEMBERED:
                 kept.pop(next(iter(kept)))
@@ -173,11 +198,10 @@ class Engine:
         """Return whitened columns that a parent fit has computed; the last ones are remembered."""
         if not known or not known[0].shape[2]:
             return None
-        last = self.__dict__.get("_known")
-        if last is None or last[0] is not known or last[1] is not whiteners:
-            last = (known, whiteners, self.white_columns(whiteners, known))
-            self.__dict__["_known"] = last
-        return np.asarray(last[2], dtype=float)
+        last = self._last_known
+        if not last or last[0].raw is not known or last[0].whiteners is not whiteners:
+            last[:] = [WhiteKnown(known, whiteners, self.white_columns(whiteners, known))]
+        return last[0].white
 
     def white_columns(self, whiteners: Sequence[Whitener], columns: Sequence[FloatArray]) -> FloatArray:
         """Return whitened Jacobian columns of all recordings, shape (N, m): minus the residual's derivatives."""
@@ -203,7 +227,7 @@ class Engine:
         """
         slots = tuple(slots)
         whiteners = self.whiteners(noise)
-        numbers = np.array([values[max(slot.run, 0), slot.place] for slot in slots])
+        numbers = slot_numbers(values, slots)
         simulated = simulate_all(self.simulators, values)
         residual, here = self.judged(whiteners, simulated)
         here += log_prior(slots, numbers)

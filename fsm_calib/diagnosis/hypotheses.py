@@ -142,6 +142,12 @@ def with_values(values: FloatArray, changes: Mapping[str, float], run: int = ALL
     return changed
 
 
+def switched_off(values: FloatArray, effects: Iterable[str]) -> FloatArray:
+    """Return a copy of `values` (R, p) with the strengths of `effects` at their null values."""
+    strengths = [(registry()[name], p) for name in effects for p in registry()[name].strengths]
+    return with_values(values, {f"{e.name}.{p}": e.parameter(p).null for e, p in strengths})
+
+
 @dataclass(frozen=True, eq=False)
 class Prober:
     """Judges starts against one parent fit without fitting."""

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from fsm_calib.diagnosis.base import fit_base
-from fsm_calib.diagnosis.fit import Engine, Fit
+from fsm_calib.diagnosis.fit import ALL_RUNS, Engine, Fit
 from fsm_calib.diagnosis.heldout import compare
 from fsm_calib.diagnosis.identify_result import Estimate, Identification, unknown
 from fsm_calib.diagnosis.intake import take_in
@@ -91,13 +91,10 @@ def _slots(fit: Fit) -> dict[str, Estimate]:
     """Return every shared number of the fit with its deviation, by full name."""
     table = parameter_table()
     found = {}
-    for j, slot in enumerate(fit.slots):
-        if slot.run < 0:
-            variance = float(fit.covariance[j, j])
-            value, unit = float(fit.values[0, slot.place]), table.entries[slot.place].unit
-            found[table.names[slot.place]] = Estimate(
-                value, math.sqrt(variance) if variance > 0 else None, unit
-            )
+    for slot, value, variance in fit.numbers():
+        if slot.run == ALL_RUNS:
+            deviation = math.sqrt(variance) if variance > 0 else None
+            found[table.names[slot.place]] = Estimate(value, deviation, table.entries[slot.place].unit)
     return found
 
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from fsm_calib.diagnosis.bank import Ranked, evidence_of, polished
 from fsm_calib.diagnosis.base import noise_names
-from fsm_calib.diagnosis.contest import switched_off
 from fsm_calib.diagnosis.fit import Engine, Fit
+from fsm_calib.diagnosis.hypotheses import switched_off
 from fsm_calib.world2d.parameters import parameter_table
 
 

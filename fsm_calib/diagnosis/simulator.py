@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fsm_calib.diagnosis.prepared import NOMINAL_AXLE, NOMINAL_RADIUS, Prepared
 from fsm_calib.errors import DataError
@@ -16,7 +17,7 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import observe, robot_time
 from fsm_calib.world2d.parameters import parameter_table
-from fsm_calib.world2d.rollout import Drive, simulate_many
+from fsm_calib.world2d.rollout import Drive, active_flags, simulate_many
 
 NOMINAL_WHEEL_RATE = (
     20.0  # rad/s at command 1: Duckietown DB18 on its nominal battery (27 is the unloaded motor)
@@ -75,22 +76,14 @@ def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray) -
 
 
 @cache
-def _strengths_with(hook: str) -> tuple[FloatArray, FloatArray]:
-    """Return places and null values of the strengths of all effects that have a hook."""
-    table, effects = parameter_table(), registry()
-    rows = [
-        (i, entry.null)
-        for i, (entry, owner) in enumerate(zip(table.entries, table.owner, strict=True))
-        if owner and entry.strength and hook in effects[owner].hooks
-    ]
-    places, nulls = zip(*rows, strict=True)
-    return np.array(places), np.array(nulls)
+def _with_hook(hook: str) -> NDArray[np.bool_]:
+    """Return one flag an effect: whether it has a hook."""
+    return np.array([hook in effect.hooks for effect in registry().values()])
 
 
 def _acts(vector: FloatArray, hook: str) -> bool:
     """Return whether an effect with a hook is switched on: `clock`, or `observe` between robot and sensor."""
-    places, nulls = _strengths_with(hook)
-    return bool((vector[places] != nulls).any())
+    return bool((active_flags(vector) & _with_hook(hook)).any())
 
 
 @njit(cache=True)
