@@ -3,7 +3,8 @@
 ``error_model="numpy"`` gives infinities in place of exceptions. The liberties: a product and a sum may become one
 operation with one rounding (``contract``), a division the product with a reciprocal (``arcp``), and the sign of a
 zero may change (``nsz``). Each changes a result in its last digit only, and a tenth of the time is saved. NaN and
-infinity keep their meaning, and sums their order.
+infinity keep their meaning, and sums their order. ``EXACT`` takes none of them, where another program's
+arithmetic is repeated to the last bit.
 """
 
 from __future__ import annotations
@@ -11,3 +12,4 @@ from __future__ import annotations
 from typing import Any
 
 ARITHMETIC: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "arcp", "nsz"}}
+EXACT: dict[str, Any] = {"error_model": "numpy"}

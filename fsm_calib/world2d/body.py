@@ -3,7 +3,9 @@ boards).
 
 Before each step the body gets the mean velocity of the step and the force that brings it to the velocity
 after it, so that pymunk's own integrator reproduces the roll-out to rounding when nothing is touched, and its
-contact solver acts on the velocity that the wheels want when something is.
+contact solver acts on the velocity that the wheels want when something is. While nothing can be touched, many
+steps are made at once by the same compiled function, which then moves the body as pymunk would, bit for bit
+(`ride_free`).
 """
 
 from __future__ import annotations
@@ -25,25 +27,11 @@ from fsm_calib.world2d.slots import (
     COM_X,
     COM_Y,
     HALF_AXLE,
-    HEADING_COS,
-    HEADING_SIN,
     INERTIA,
     MASS,
-    MEAN_OMEGA,
-    MEAN_VX,
-    MEAN_VY,
     MEMORY,
-    NEXT,
-    NEXT_VX,
-    NEXT_VY,
-    OMEGA,
     RIM,
-    THETA,
     TIME,
-    L,
-    V,
-    X,
-    Y,
 )
 
 LARGEST_STEP = 0.01
@@ -102,6 +90,9 @@ class RobotBody:
         self._bench = np.zeros(BENCH_SIZE)
         self._state = np.zeros(MEMORY + memory_places()[1])
         self._slots, self._work = _floats(self._state), _floats(self._bench)
+        self._ride, self._held, self._end = np.zeros(12), np.zeros((1, 2)), np.zeros((1, 3))
+        self._ridden, self._hold = _floats(self._ride), _floats(self._held)
+        self._is_plain = False
         self._history: deque[tuple[float, float, float]] = deque([(-math.inf, 0.0, 0.0)])
         self.set_parameters(parameters)
         self.body = self._make_body(pose)
@@ -125,6 +116,10 @@ class RobotBody:
         self._kernel = kernel(bare=not self._on.any())
         self._kernel.begin(self._parameters, self._on, self._bench)
         self._delay = float(self._kernel.delay(self._parameters, self._on))
+        is_plain = not self._on.any()
+        if self._is_plain and not is_plain:
+            self._history = deque([(-math.inf, self._hold[0], self._hold[1])])  # what acted until now
+        self._is_plain = is_plain
         self._shaped: dict[tuple[float, float], tuple[float, float]] = {}
         if hasattr(self, "body"):
             self.body.mass, self.body.moment = self._bench[MASS], self._bench[INERTIA]
@@ -149,8 +144,10 @@ class RobotBody:
     @property
     def twist(self) -> tuple[float, float, float]:
         """Forward and leftward speed of the axle centre [m/s] and yaw rate [rad/s], in `base`."""
-        self._read_body()
-        return float(self._state[V]), float(self._state[L]), float(self._state[OMEGA])
+        angle, (vx, vy), omega = self.body.angle, self.body.velocity, self.body.angular_velocity
+        c, s = math.cos(angle), math.sin(angle)
+        x, y = self.body.center_of_gravity
+        return c * vx + s * vy + omega * y, c * vy - s * vx - omega * x, omega
 
     @property
     def is_moving(self) -> bool:
@@ -180,25 +177,49 @@ class RobotBody:
         InputError
             For a command that is not finite or a step that is not positive or longer than `LARGEST_STEP`.
         """
-        self.prepare(command, dt)
-        self.space.step(dt)
-        self._slots[TIME] += dt
-
-    def prepare(self, command: WheelCommand, dt: float) -> None:
-        """Set the body's velocity and force for a step of `dt` [s] that the caller makes (see `step` for
-        errors).
-        """
         if not 0.0 < dt <= LARGEST_STEP:
             raise InputError(f"the step is {dt} s, expected more than 0 and at most {LARGEST_STEP} s")
         if not (math.isfinite(command.left) and math.isfinite(command.right)):
             raise InputError(f"the wheel command is {command}, expected finite numbers")
         self._read_body()
-        left, right = self._mean_command(command, dt)
-        self._kernel.single_step(self._parameters, self._on, self._state, self._bench, left, right, dt)
-        self._write_body(dt)
+        self._hold[0], self._hold[1] = self._mean_command(command, dt)
+        self._kernel.ride(
+            self._parameters, self._on, self._state, self._bench, self._ride, self._held, dt, self._end
+        )
+        self._push_body()
+        self.space.step(dt)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether no effect is on: commands act at once and as they are, the centre of mass is the axle's."""
+        return self._is_plain
+
+    def ride_free(self, commands: FloatArray, dt: float, room: float) -> FloatArray:
+        """Make up to n steps of `dt` [s] at once, commands of shape (n, 2) [1], while nothing can be touched.
+
+        Only as many are made as keep the axle's centre within `room` [m] of where it is; they are what as many
+        calls of `step` give, to the last bit. Returns the poses after them, shape (m, 3), m <= n. The robot must
+        be plain (`is_plain`).
+        """
+        begin = self._read_body()
+        state, bench = self._state.copy(), self._bench.copy()
+        poses = np.empty((len(commands), 3))
+        common = self._parameters, self._on, self._state, self._bench, self._ride
+        self._kernel.ride(*common, commands, dt, poses)
+        away = np.hypot(poses[:, 0] - begin[0], poses[:, 1] - begin[1]) > room
+        if away.any():
+            self._state[:], self._bench[:] = state, bench
+            self._read_body()
+            poses = poses[: int(np.argmax(away))]
+            self._kernel.ride(*common, commands[: len(poses)], dt, poses)
+        self._held[0] = commands[len(poses) - 1]
+        self._move_body()
+        return poses
 
     def _mean_command(self, command: WheelCommand, dt: float) -> tuple[float, float]:
         """Return the shaped commands that act in this step, late by the delay, averaged over the step."""
+        if self._is_plain:
+            return command.left, command.right
         left, right = self._shape(command)
         history, now = self._history, self._slots[TIME]
         if len(history) == 1 and history[0][1] == left and history[0][2] == right:
@@ -226,24 +247,27 @@ class RobotBody:
             self._shaped = {key: (left, right)}
         return self._shaped[key]
 
-    def _read_body(self) -> None:
-        """Take pose and twist of the axle from pymunk, which contacts may have changed."""
-        state, bench, body = self._slots, self._work, self.body
-        angle = body.angle
-        c, s = math.cos(angle), math.sin(angle)
-        (state[X], state[Y]), state[THETA] = body.position, angle
-        state[HEADING_COS], state[HEADING_SIN] = c, s
-        (vx, vy), omega = body.velocity, body.angular_velocity
-        state[V] = c * vx + s * vy + omega * bench[COM_Y]
-        state[L] = c * vy - s * vx - omega * bench[COM_X]
-        state[OMEGA] = omega
+    def _read_body(self) -> tuple[float, float]:
+        """Take pose and velocity from pymunk, which contacts may have changed; return the place [m]."""
+        ride, body = self._ridden, self.body
+        x, y = ride[0], ride[1] = body.position
+        ride[2] = body.angle
+        ride[3], ride[4] = body.velocity
+        ride[5] = body.angular_velocity
+        return x, y
 
-    def _write_body(self, dt: float) -> None:
+    def _push_body(self) -> None:
         """Give pymunk the mean velocity of the step and the force to the velocity after it."""
-        bench, body = self._work, self.body
-        vx, vy, omega = bench[MEAN_VX], bench[MEAN_VY], bench[MEAN_OMEGA]
-        push = bench[MASS] / dt
+        _, _, _, _, _, _, vx, vy, omega, fx, fy, torque = self._ridden
+        body = self.body
+        body.velocity, body.angular_velocity = (vx, vy), omega
+        body.force, body.torque = (fx, fy), torque
+
+    def _move_body(self) -> None:
+        """Put pymunk's body where a free ride has ended."""
+        x, y, theta, vx, vy, omega = self._ride[:6].tolist()
+        body = self.body
+        body.angle = theta
+        body.position = (x, y)
         body.velocity = (vx, vy)
         body.angular_velocity = omega
-        body.force = (push * (bench[NEXT_VX] - vx), push * (bench[NEXT_VY] - vy))
-        body.torque = bench[INERTIA] / dt * (bench[NEXT + OMEGA] - omega)

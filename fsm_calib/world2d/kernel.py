@@ -23,15 +23,15 @@ from fsm_calib.world2d import arithmetic, dynamics, forces, loop, slots, tyres
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
-COMPILED = ("integrate_levels", "look_at_track", "keep", "run", "run_many", "single_step")
-CACHED = ("run", "run_many", "single_step", "begin", "shape", "delay")
+COMPILED = ("integrate_levels", "look_at_track", "keep", "run", "run_many", "single_step", "ride")
+CACHED = ("run", "run_many", "ride", "begin", "shape", "delay")
 """Functions that are called from Python and therefore kept on disk."""
 
 HEADER = '''"""Woven by fsm_calib.world2d.kernel from the catalogue of effects; do not edit. {digest}"""
 import math
 import numpy as np
 from numba import njit
-from fsm_calib.world2d.arithmetic import ARITHMETIC
+from fsm_calib.world2d.arithmetic import ARITHMETIC, EXACT
 from fsm_calib.world2d.dynamics import *
 from fsm_calib.world2d.tyres import add_tyres
 from fsm_calib.world2d.slots import *
@@ -111,7 +111,9 @@ def _loop_text() -> str:
     for name in COMPILED:
         text = inspect.getsource(getattr(loop, name).py_func)
         if name in CACHED:
-            text = text.replace("@njit(**ARITHMETIC)", "@njit(**ARITHMETIC, cache=True)")
+            text = text.replace("ARITHMETIC)", "ARITHMETIC, cache=True)").replace(
+                "EXACT)", "EXACT, cache=True)"
+            )
         parts.append(text)
     return "\n\n".join(parts)
 
@@ -149,7 +151,7 @@ def woven_source(bare: bool = False) -> str:
 
 @cache
 def kernel(bare: bool = False) -> ModuleType:
-    """Return the woven module (`run`, `run_many`, `single_step`, `begin`, `shape`, `delay`); compiles on
+    """Return the woven module (`run`, `run_many`, `ride`, `begin`, `shape`, `delay`); compiles on
     first call. The bare one knows no effect: the same arithmetic, and a fraction of the code to compile.
     """
     source = woven_source(bare)

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numba import njit
 
-from fsm_calib.world2d.arithmetic import ARITHMETIC
+from fsm_calib.world2d.arithmetic import ARITHMETIC, EXACT
 from fsm_calib.world2d.dynamics import (
     accept_step,
     begin_base,
@@ -25,12 +25,22 @@ from fsm_calib.world2d.dynamics import (
 )
 from fsm_calib.world2d.slots import (
     BENCH_SIZE,
+    COM_X,
+    COM_Y,
     COMMAND,
     COS,
     HALF_AXLE,
     HEADING_COS,
     HEADING_SIN,
+    INERTIA,
+    MASS,
+    MEAN_OMEGA,
+    MEAN_VX,
+    MEAN_VY,
     MEMORY,
+    NEXT,
+    NEXT_VX,
+    NEXT_VY,
     OMEGA,
     PLACE_X,
     PLACE_Y,
@@ -42,6 +52,8 @@ from fsm_calib.world2d.slots import (
     TIME,
     L,
     V,
+    X,
+    Y,
 )
 from fsm_calib.world2d.tyres import add_tyres
 
@@ -168,3 +180,37 @@ def single_step(P, on, S, W, u_left, u_right, h):
     W[STEP], W[COMMAND], W[COMMAND + 1] = h, u_left, u_right
     look_around(S, W)
     step(P, on, S, W)
+
+
+@njit(**EXACT)
+def ride(P, on, S, W, body, commands, h, out):
+    """Make one step [s] for each row of mean shaped commands [1] of a robot that lives in pymunk.
+
+    `body`: x, y, theta, velocity and yaw rate of the centre of mass in `world` (0 to 5), at the end those after
+    the steps; then what pymunk is to be given for the last of them: mean velocity and yaw rate (6 to 8), force
+    and torque (9 to 11). Between the steps the body moves as pymunk's integrator moves one that nothing
+    touches and whose centre of mass is the axle's centre (Chipmunk 7, cpBody.c, cpBodyUpdatePosition and
+    cpBodyUpdateVelocity without gravity and damping), bit for bit. `out`, shape (n, 3): the poses.
+    """
+    x, y, theta, vx, vy, omega = body[0], body[1], body[2], body[3], body[4], body[5]
+    push, twist = W[MASS] / h, W[INERTIA] / h
+    mass_inverse, inertia_inverse = 1.0 / W[MASS], 1.0 / W[INERTIA]
+    for k in range(commands.shape[0]):
+        c, s = math.cos(theta), math.sin(theta)
+        S[X], S[Y], S[THETA] = x, y, theta
+        S[HEADING_COS], S[HEADING_SIN] = c, s
+        S[V] = c * vx + s * vy + omega * W[COM_Y]
+        S[L] = c * vy - s * vx - omega * W[COM_X]
+        S[OMEGA] = omega
+        single_step(P, on, S, W, commands[k, 0], commands[k, 1], h)
+        S[TIME] += h
+        body[6], body[7], body[8] = W[MEAN_VX], W[MEAN_VY], W[MEAN_OMEGA]
+        body[9] = push * (W[NEXT_VX] - body[6])
+        body[10] = push * (W[NEXT_VY] - body[7])
+        body[11] = twist * (W[NEXT + OMEGA] - body[8])
+        x, y, theta = x + body[6] * h, y + body[7] * h, theta + body[8] * h
+        vx = body[6] + body[9] * mass_inverse * h
+        vy = body[7] + body[10] * mass_inverse * h
+        omega = body[8] + body[11] * inertia_inverse * h
+        out[k, 0], out[k, 1], out[k, 2] = x, y, theta
+    body[0], body[1], body[2], body[3], body[4], body[5] = x, y, theta, vx, vy, omega

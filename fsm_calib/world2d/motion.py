@@ -10,6 +10,7 @@ import pymunk
 
 from fsm_calib.types import FloatArray, Pose2, WheelCommand
 from fsm_calib.world2d.body import RobotBody
+from fsm_calib.world2d.clearance import free_room
 from fsm_calib.world2d.faults import FrozenFrames
 from fsm_calib.world2d.obstacles import add_scene, make_space, robot_outline
 from fsm_calib.world2d.parameters import parameter_table
@@ -23,6 +24,12 @@ _Place = tuple[float, float, float]
 """x, y [m], theta [rad]: a pose, a microsecond cheaper."""
 _WEAR_GRAIN = 0.02
 """Driven distance after which a worn ratio is brought up to date [m]."""
+_MOST_AT_ONCE = 1000
+"""Ticks made in one call while nothing is near: 2 s."""
+_LEAST_AT_ONCE = 8
+"""Ticks that are worth such a call, which costs as much as a few of them one by one."""
+_BESIDE = 25
+"""Ticks made one by one, beside an obstacle, until the room around the robot is asked for again: 0.05 s."""
 
 
 class Motion:
@@ -107,6 +114,61 @@ class Motion:
         self.odometer += math.hypot(after[0] - before[0], after[1] - before[1])
         if self._stages:
             self._change_scene()
+
+    def run(self, left: float, right: float, ticks: int) -> None:
+        """Hold the commands [1] for many steps; those made at once, far from everything, give the same bits."""
+        while ticks > 0:
+            made = self._ride(left, right, min(ticks, _MOST_AT_ONCE))
+            if made == 0:
+                made = min(ticks, _BESIDE)
+                for _ in range(made):
+                    self.step(left, right)
+            ticks -= made
+
+    def _ride(self, left: float, right: float, most: int) -> int:
+        """Make up to `most` steps at once and return how many were made: none where something may be near, is
+        about to change, or changes the physics on the way.
+        """
+        is_watched = self._stages or (self._frozen is None and self._freeze_at < math.inf)
+        if most < _LEAST_AT_ONCE or is_watched or self._spec.wear.per_metre != 0.0 or not self.body.is_plain:
+            return 0
+        x, y, _ = self._recent[-1]
+        room = free_room(self.space, (x, y))
+        if room <= 0.0:
+            return 0
+        poses = self.body.ride_free(self._commands(left, right, most), self._spec.settings.step, room)
+        self._note_all(poses.tolist())
+        return len(poses)
+
+    def _commands(self, left: float, right: float, most: int) -> FloatArray:
+        """Return the commands of the next steps with their noise, shape (n, 2); the noise's block may end
+        before `most` steps.
+        """
+        settings, commands = self._spec.settings, np.array((left, right))
+        if settings.drive_noise == 0.0 or not commands.any():
+            return np.tile(commands, (most, 1))
+        self._noise_at(self.ticks)  # has the knots of this block drawn
+        place = np.arange(self.ticks, self.ticks + most) * settings.step / settings.noise_period
+        block, index = np.divmod(place.astype(int), _NOISE_BLOCK)
+        place, index = place[block == self._noise_block], index[block == self._noise_block]
+        knots, share = np.array(self._noise), (place - place.astype(int))[:, None]
+        noise = knots[index] + share * (knots[index + 1] - knots[index])
+        return np.asarray(commands * (1.0 + noise))
+
+    def _note_all(self, poses: list[list[float]]) -> None:
+        """Keep the books of the steps that led to `poses`: clock, odometer, trace and the last exposure."""
+        x, y, _ = self._recent[-1]
+        odometer = self.odometer
+        for next_x, next_y, _ in poses:
+            odometer += math.hypot(next_x - x, next_y - y)
+            x, y = next_x, next_y
+        first = -(self.ticks + 1) % self._trace_every
+        for number in range(first, len(poses), self._trace_every):
+            time = (self.ticks + 1 + number) * self._spec.settings.step
+            x, y, theta = poses[number]
+            self.trace.append((time, x, y, theta))
+        self._recent.extend((x, y, theta) for x, y, theta in poses[-(self._recent.maxlen or 0) :])
+        self.odometer, self.ticks = odometer, self.ticks + len(poses)
 
     def _wear_down(self) -> None:
         if self._spec.wear.per_metre != 0.0 and self.odometer - self.worn_at >= _WEAR_GRAIN:

@@ -26,6 +26,11 @@ SHEET = 0.003
 CONTACT_FRICTION = 0.4
 """Friction of plastic against wood [1], assumed."""
 
+_ROBOT_KIND = 0b10
+"""Bit that marks the robot's outline among the shapes of a space."""
+SOLID = pymunk.ShapeFilter(mask=pymunk.ShapeFilter.ALL_MASKS() ^ _ROBOT_KIND)
+"""Finds whatever is not the robot itself."""
+
 
 def make_space() -> pymunk.Space:
     """Return an empty space seen from above: no gravity, no damping, SI slop."""
@@ -39,6 +44,7 @@ def robot_outline(body: pymunk.Body) -> pymunk.Poly:
     rear, half = ROBOT_FRONT - ROBOT_LENGTH, 0.5 * ROBOT_WIDTH
     shape = pymunk.Poly(body, [(rear, -half), (ROBOT_FRONT, -half), (ROBOT_FRONT, half), (rear, half)])
     shape.friction = CONTACT_FRICTION
+    shape.filter = pymunk.ShapeFilter(categories=_ROBOT_KIND)
     return shape
 
 

@@ -85,6 +85,9 @@ class SimulatedRobot:
         self.__run(round(duration / self.__settings.step))
 
     def __run(self, ticks: int) -> None:
+        if not self.__dead:
+            self.__motion.run(self.__command.left, self.__command.right, ticks)
+            return
         for _ in range(ticks):
             left, right = self.__command.left, self.__command.right
             for fault in self.__dead:
