@@ -15,10 +15,12 @@ from fsm_calib.perception.free_boards import FreeBoards, start_poses
 from fsm_calib.perception.intrinsics import calibrate, views_per_board
 from fsm_calib.perception.lens import camera_model, intrinsics_vector
 from fsm_calib.perception.prediction import projection_difference
+from fsm_calib.perception.rotations import rotation_from_vector
 from fsm_calib.perception.solve_settings import SolveSettings
 from fsm_calib.perception.stages import held_intrinsics
 from fsm_calib.perception.static_boards import calibrate_scan, calibrate_static, frames_of
 from fsm_calib.perception.static_problem import StaticBoards, StaticState
+from fsm_calib.perception.static_start import vertical_in_camera
 from fsm_calib.types import BoardSpec, BoardView
 
 QUICK = SolveSettings(coefficients=(4,), all_but_one_up_to=0, folds=2)
@@ -213,6 +215,33 @@ def test_a_board_that_moved_makes_the_static_answer_give_way_to_the_free_one() -
     assert not result.is_static
     assert result.calibration is free
     assert result.sentence
+
+
+def scanned_twice(second: dict[int, int]) -> list[BoardView]:
+    """Return the views of two sweeps; in the second one, boards are filed under the numbers of `second`."""
+    again = [replace(view, source=f"again, {view.source}") for view in scanned(0.1, 1)]
+    return scanned(0.1) + [replace(view, board=second.get(view.board, view.board)) for view in again]
+
+
+@pytest.mark.parametrize("second", [{0: 1}, {1: 2}, {2: 1}, {0: 1, 1: 2}, {0: 2, 2: 0}], ids=str)
+def test_views_filed_under_the_wrong_board_are_laid_at_the_door_of_the_right_one(
+    second: dict[int, int],
+) -> None:
+    right = calibrate_scan(scanned_twice({}), BOARD, SIZE, settings=QUICK)
+    wrong = calibrate_scan(scanned_twice(second), BOARD, SIZE, settings=QUICK)
+    assert wrong.is_static
+    assert wrong.calibration.views_used == right.calibration.views_used
+    assert wrong.calibration.views_per_board == right.calibration.views_per_board
+    np.testing.assert_allclose(wrong.calibration.camera.matrix, right.calibration.camera.matrix, rtol=1e-5)
+
+
+def test_the_vertical_is_the_axis_that_most_rotations_share() -> None:
+    axis = np.array([0.0, -0.9, -math.sqrt(0.19)])
+    turns = [rotation_from_vector(angle * axis) for angle in np.linspace(0.0, 1.0, 12)]
+    other = rotation_from_vector(np.array([1.5, 0.3, 0.0]))
+    mixed = np.stack([turn @ other if i % 4 == 3 else turn for i, turn in enumerate(turns)])
+    found = vertical_in_camera(mixed, np.zeros(len(mixed), dtype=int))
+    np.testing.assert_allclose(found, axis, atol=1e-6)
 
 
 def test_frames_are_counted_by_source() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from dataclasses import replace
 
 from fsm_calib.actions.bench import Bench
@@ -56,7 +55,7 @@ def _keep(bench: Bench, result: CameraCalibration, cure: str) -> None:
     notebook = bench.notebook
     notebook.camera = result.camera
     validated = result.cross_validated_px
-    count = Counter(notebook.views[index].board for index in result.used)
+    seen = {str(board): count for board, count in enumerate(result.views_per_board) if count}
     notebook.figures = CameraFigures(
         rms_px=result.rms_px,
         mean_px=result.mean_px,
@@ -64,7 +63,7 @@ def _keep(bench: Bench, result: CameraCalibration, cure: str) -> None:
         predicted_px=result.predicted_px,
         cross_validated_px=None if math.isnan(validated) else validated,
         views_used=result.views_used,
-        views_per_board={str(board): count[board] for board in sorted(count)},
+        views_per_board=seen,
         reason=result.reason,
         target_px=bench.settings.camera.target_px,
         weakest=weakest_region(result.predicted_map),

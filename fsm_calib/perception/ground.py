@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 
 from fsm_calib.perception.lens import intrinsics_vector, unproject
-from fsm_calib.perception.rotations import base_from_camera, rotation_from_vector
+from fsm_calib.perception.rotations import base_from_camera
 from fsm_calib.types import (
     CameraModel,
     CameraMount,
@@ -91,6 +91,11 @@ def tag_poses(detection: TagDetection, camera: CameraModel, tag_size: float) -> 
     right, bottom left).
     """
     rays = unproject(intrinsics_vector(camera), detection.corners_image)
+    return _poses_of_rays(rays, camera, tag_size)
+
+
+def _poses_of_rays(rays: FloatArray, camera: CameraModel, tag_size: float) -> tuple[TagPose, ...]:
+    """Return the two poses, the better first, from the rays of a tag's corners, shape (4, 2) [1]."""
     order = [3, 2, 1, 0]
     corners, found = np.ascontiguousarray(tag_corners(tag_size)[order]), np.ascontiguousarray(rays[order])
     _, turns, centres, _ = cv2.solvePnPGeneric(
@@ -113,7 +118,7 @@ def _refined(
     better, place = cv2.solvePnPRefineLM(corners, rays, np.eye(3), None, turn.copy(), centre.copy())
     predicted, _ = cv2.projectPoints(corners, better, place, np.eye(3), None)
     error = float(np.sqrt(np.mean(np.sum((predicted[:, 0] - rays) ** 2, axis=1))))
-    return TagPose(rotation_from_vector(np.ravel(better)), np.ravel(place), error * scale)
+    return TagPose(cv2.Rodrigues(better)[0], np.ravel(place), error * scale)
 
 
 def observe_tags(
@@ -133,10 +138,13 @@ def observe_tags(
     tag_size : float
         Side of the black square [m]; Duckietown's floor tags are 0.065 m.
     """
+    if not detections:
+        return ()
     rotation, position = base_from_camera(mount)
+    corners = np.stack([detection.corners_image for detection in detections])
     observed = []
-    for detection in detections:
-        pose = _floor_pose(tag_poses(detection, camera, tag_size), rotation, settings)
+    for detection, rays in zip(detections, unproject(intrinsics_vector(camera), corners), strict=True):
+        pose = _floor_pose(_poses_of_rays(rays, camera, tag_size), rotation, settings)
         if pose is not None:
             observed.append(_observation(detection.tag_id, pose, rotation, position))
     return tuple(sorted(observed, key=lambda tag: tag.distance))

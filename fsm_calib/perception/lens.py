@@ -13,6 +13,8 @@ calibration, 1971.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from fsm_calib.types import CameraModel, FloatArray
@@ -148,12 +150,21 @@ def _solve_2x2(matrix: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def _radial_curve(vector: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return radii and distorted radii [1] up to the first fold or pole."""
+    """Return radii and distorted radii [1] up to the first fold or pole; a lens in use is remembered."""
+    return _radial_curve_of(tuple(vector.tolist()))
+
+
+@lru_cache(maxsize=16)
+def _radial_curve_of(intrinsics: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+    """Return the curve of `_radial_curve`; both arrays are read-only."""
+    vector = np.array(intrinsics)
     radius = np.linspace(0.0, _WIDEST_RADIUS, _RADIUS_STEPS)
     factor, _, below = radial_factor(vector, radius * radius)
     distorted = radius * factor
     bad = (below <= 0.0) | (np.diff(distorted, prepend=-1.0) <= 0.0)
     end = int(np.argmax(bad)) if bool(np.any(bad)) else radius.size
+    radius.setflags(write=False)
+    distorted.setflags(write=False)
     return radius[:end], distorted[:end]
 
 

@@ -6,6 +6,8 @@ dimensions. Source: Hartley and Zisserman, Multiple View Geometry (2nd ed.), A4.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from fsm_calib.types import CameraMount, FloatArray
@@ -74,14 +76,18 @@ def tilt_rotation(pitch: float, roll: float) -> FloatArray:
     )
 
 
+@lru_cache(maxsize=64)
 def base_from_camera(mount: CameraMount) -> tuple[FloatArray, FloatArray]:
-    """Return the camera's rotation (3, 3) and position (3,) [m] in `base`.
+    """Return the camera's rotation (3, 3) and position (3,) [m] in `base`, read-only.
 
     R = Rz(yaw) Ry(pitch) Rx(roll) P with P the axes of an untilted camera; a positive pitch looks down, a
     positive roll turns the camera clockwise as seen from behind, so that its right side goes down.
     """
     rotation = yaw_rotation(mount.yaw) @ tilt_rotation(mount.pitch, mount.roll) @ BASE_FROM_OPTICAL
-    return rotation, np.array([mount.forward, mount.left, mount.height])
+    position = np.array([mount.forward, mount.left, mount.height])
+    rotation.setflags(write=False)
+    position.setflags(write=False)
+    return rotation, position
 
 
 def mount_from_pose(rotation: FloatArray, position: FloatArray) -> CameraMount:

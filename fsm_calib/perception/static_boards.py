@@ -17,7 +17,7 @@ import numpy as np
 from fsm_calib.perception.board_order import half_turned, is_half_turn_ambiguous
 from fsm_calib.perception.bundle import Prior, Solution, fit
 from fsm_calib.perception.calibration import CameraCalibration, fit_figures
-from fsm_calib.perception.intrinsics import calibrate
+from fsm_calib.perception.intrinsics import calibrate, views_per_board
 from fsm_calib.perception.lens import camera_model, intrinsics_vector, is_sane_over_image
 from fsm_calib.perception.outliers import kept_corners
 from fsm_calib.perception.prediction import predicted_error, sensitivity
@@ -101,7 +101,8 @@ def calibrate_static(
     Parameters
     ----------
     views : sequence of BoardView
-        The views that `free` was made from; `BoardView.board` tells the boards apart.
+        The views that `free` was made from; `BoardView.board` says which board each shows. Where that is a
+        miscount, the board whose lean, height and place fit is taken (`static_start`).
     frames : sequence of int
         Number of the image that each view was found in, growing with time.
     board : BoardSpec
@@ -114,6 +115,7 @@ def calibrate_static(
     own = np.array([views[i].board for i in used])
     placement, tilt, poses_kept = _placement(free, own, numbers, board)
     keep = np.array([i for i in range(used.size) if i in poses_kept], dtype=int)
+    own[keep] = [placement.shown[i] for i in keep]
     corners = np.stack([_ordered(views[used[i]], placement.flipped[i]) for i in keep])
     problem, state, anchors = _problem(corners, own[keep], numbers[keep], board, free, placement, tilt)
     coefficients = _coefficients(free)
@@ -122,7 +124,11 @@ def calibrate_static(
     solution = fit(problem, state, held, kept, prior=prior)
     kept = kept_corners(solution.residual, kept, settings)
     solution = fit(problem, solution.state, held, kept, prior=prior)
-    return _result(solution, problem, kept, held, keep, free, limits)
+    found = _result(solution, problem, kept, held, keep, free, limits)
+    if not found.is_static:
+        return found
+    count = views_per_board([replace(views[used[i]], board=int(own[i])) for i in keep])
+    return replace(found, calibration=replace(found.calibration, views_per_board=count))
 
 
 def _placement(
