@@ -118,7 +118,7 @@ def _refined(
     better, place = cv2.solvePnPRefineLM(corners, rays, np.eye(3), None, turn.copy(), centre.copy())
     predicted, _ = cv2.projectPoints(corners, better, place, np.eye(3), None)
     error = float(np.sqrt(np.mean(np.sum((predicted[:, 0] - rays) ** 2, axis=1))))
-    return TagPose(cv2.Rodrigues(better)[0], np.ravel(place), error * scale)
+    return TagPose(np.asarray(cv2.Rodrigues(better)[0], float), np.ravel(place), error * scale)
 
 
 def observe_tags(
