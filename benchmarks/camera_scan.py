@@ -1,50 +1,55 @@
 """How good is the camera that a scan gives? Robots of the fleet, rendered pixels, error against truth.
 
-    python benchmarks/camera_scan.py --runs 100      (resumable; --table prints what is there, --plot FILE draws it)
+    python benchmarks/camera_scan.py --runs 100                      (resumable; --table prints what is there)
+    python benchmarks/camera_scan.py --runs 20 --layout upright2     (into the same file; --plot FILE draws all)
 
 Each run draws a robot (lens, pitch, height, focus), lets it turn on one wheel, 3 deg a step, 75 deg to each side, in
-an area with boards, renders every stop, and solves. Beside it 30 hand-held views of one board, 0.18 to 0.6 m away,
+an area with boards, renders every stop, and solves: the whole scan, the scan that ends by the robot's default rule,
+and the one that ends at 0.5 px predicted. Beside it 30 hand-held views of one board, 0.18 to 0.6 m away,
 tilted up to 45 deg, are rendered and solved by the same code. The error is "al": projections of the same ray over
 the whole image, best rotation removed.
 
 Predicted against true error is compared where the prediction is used: after the first 6, 8, 12, ... views of every
-scan and of every set by hand, as the stop rule sees them, and for the final cameras.
+scan and of every set by hand, as the stop rule sees them and as the final solve does, and for the final cameras.
 """
 
 import argparse
 import json
 import math
-import time
 from pathlib import Path
 
 import cv2
 import numpy as np
 from camera_runs import BOARD, LAYOUTS, SIZE, hand_held, scan
 
+from fsm_calib.actions.judging import stop_rule
+from fsm_calib.actions.settings import CameraSettings
 from fsm_calib.perception.information import StopRule, begin_scan, is_enough, solve_scan, weigh_view
 from fsm_calib.perception.intrinsics import calibrate
 from fsm_calib.perception.prediction import projection_difference
+from fsm_calib.perception.solve_settings import SolveSettings
 from fsm_calib.perception.static_boards import calibrate_static, frames_of
 from fsm_calib.types import BoardView
 from fsm_calib.world2d.fleet import RobotSpec, draw_robot
 
 COUNTS = (6, 8, 12, 16, 23, 32, 45, 64, 90)  # views after which prediction and truth are compared
-HALF_PIXEL = StopRule(predicted_px=0.5, views_per_board=8, views=15, smallest_gain=0.005)
+RULES = {"stopped": stop_rule(CameraSettings()), "half": StopRule(predicted_px=0.5, smallest_gain=0.005)}
+QUICK = SolveSettings(coefficients=(4,), all_but_one_up_to=0, folds=2)  # no choice of a model along the way
 WITHIN = 2.5  # the prediction's bar: true error at most this many times the predicted one
 
 
-def informed(views: list[BoardView], boards: int) -> tuple[list[BoardView], bool]:
-    """Return the views that a scan keeps until it predicts 0.5 px twice in a row, and whether it came to that."""
+def informed(views: list[BoardView], boards: int, rule: StopRule) -> tuple[list[BoardView], bool]:
+    """Return the views that a scan keeps until it predicts enough twice in a row, and whether it came to that."""
     progress, kept, precise = begin_scan(SIZE, boards), [], 0
     for view in views:
-        weighed = weigh_view(view, BOARD, progress, HALF_PIXEL)
+        weighed = weigh_view(view, BOARD, progress, rule)
         if not weighed.is_wanted:
             continue
         kept.append(view)
         progress = weighed.progress
         if len(kept) % 5 == 0:
             progress = solve_scan(kept, BOARD, progress)
-            precise = precise + 1 if is_enough(progress, HALF_PIXEL) else 0
+            precise = precise + 1 if is_enough(progress, rule) else 0
             if precise == 2:
                 return kept, True
     return kept, False
@@ -52,7 +57,6 @@ def informed(views: list[BoardView], boards: int) -> tuple[list[BoardView], bool
 
 def figures(views: list[BoardView], robot: RobotSpec, *, static: bool) -> dict[str, object]:
     """Return what solving the views gives against the truth."""
-    begun = time.perf_counter()
     free = calibrate(views, BOARD, SIZE, is_duckiebot=True)
     row: dict[str, object] = {
         "views": free.views_used,
@@ -77,7 +81,7 @@ def figures(views: list[BoardView], robot: RobotSpec, *, static: bool) -> dict[s
             "roll_error_deg": math.degrees(found.roll - robot.mount.roll),
             "height_error_m": found.height - robot.mount.height,
         }
-    return row | {"solve_s": time.perf_counter() - begun}
+    return row
 
 
 def along(views: list[BoardView], boards: int, robot: RobotSpec) -> list[tuple[int, float, float]]:
@@ -90,56 +94,79 @@ def along(views: list[BoardView], boards: int, robot: RobotSpec) -> list[tuple[i
     return found
 
 
+def along_static(views: list[BoardView], robot: RobotSpec) -> list[tuple[int, float, float]]:
+    """Return (views, predicted px, true px) of the static solve of the first so many views, where it is taken."""
+    found = []
+    for count in (number for number in COUNTS if number <= len(views)):
+        first = views[:count]
+        free = calibrate(first, BOARD, SIZE, is_duckiebot=True, settings=QUICK)
+        static = calibrate_static(first, frames_of(first), BOARD, free, settings=QUICK)
+        if static.is_static:
+            true = projection_difference(robot.camera, static.calibration.camera).rms
+            found.append((count, static.calibration.predicted_px, true))
+    return found
+
+
 def run(seed: int, layout: str) -> dict[str, object]:
-    """Return the figures of one robot: its whole scan, the scan that stops by information, 30 hand-held views."""
+    """Return the figures of one robot: its whole scan, the scans that a rule ends, 30 hand-held views."""
     rng = np.random.default_rng([seed, 5])
-    robot = draw_robot(rng, f"robot{seed}")
-    begun = time.perf_counter()
+    robot, boards = draw_robot(rng, f"robot{seed}"), len(LAYOUTS[layout])
     views = scan(robot, LAYOUTS[layout], rng)
-    scanned = time.perf_counter()
-    kept, stopped = informed(views, len(LAYOUTS[layout]))
-    chosen = time.perf_counter()
     held = hand_held(robot, 30, rng)
-    return {
+    row: dict[str, object] = {
         "seed": seed,
         "layout": layout,
         "scan": figures(views, robot, static=True),
-        "stopped": figures(kept, robot, static=True) | {"reached": stopped},
         "hand": figures(held, robot, static=False),
-        "along_scan": along(views, len(LAYOUTS[layout]), robot),
+        "along_scan": along(views, boards, robot),
+        "along_static": along_static(views, robot),
         "along_hand": along(held, 1, robot),
-        "seconds": [scanned - begun, chosen - scanned, time.perf_counter() - chosen],
     }
+    for name, rule in RULES.items():
+        kept, reached = informed(views, boards, rule)
+        row[name] = figures(kept, robot, static=True) | {"reached": reached}
+    return row
+
+
+SERIES = (
+    ("whole scan, static boards", "scan", "static"),
+    ("whole scan, free boards", "scan", "free"),
+    ("default rule, static boards", "stopped", "static"),
+    ("default rule, free boards", "stopped", "free"),
+    ("0.5 px predicted, static boards", "half", "static"),
+    ("0.5 px predicted, free boards", "half", "free"),
+    ("30 hand-held views", "hand", "free"),
+)
+ALONG = (
+    ("along_scan", "as the stop rule sees them"),
+    ("along_static", "static boards"),
+    ("along_hand", "by hand"),
+)
 
 
 def table(rows: list[dict]) -> str:
-    """Return the figures of all runs as text."""
-    lines = [f"{len(rows)} runs, layout {rows[0]['layout']}: error against truth over the image, px"]
-    lines.append(f"{'':34} median    95 %     max  ahead of hand  log-corr  within 2.5 x predicted")
-    hand = np.array([row["hand"]["free_px"] for row in rows])
-    series = (
-        ("whole scan, static boards", "scan", "static"),
-        ("whole scan, free boards", "scan", "free"),
-        ("stopped by information, static", "stopped", "static"),
-        ("stopped by information, free", "stopped", "free"),
-        ("30 hand-held views", "hand", "free"),
+    """Return the figures of all runs of one layout as text."""
+    lines = [f"\n{len(rows)} runs, layout {rows[0]['layout']}: error against truth over the image, px"]
+    lines.append(
+        f"{'':34} median    95 %     max  ahead of hand  log-corr  within {WITHIN} x predicted  views"
     )
-    for label, part, kind in series:
-        true = np.array([row[part][f"{kind}_px"] for row in rows])
-        predicted = np.array([row[part][f"{kind}_predicted_px"] for row in rows])
-        correlation = np.corrcoef(np.log(true), np.log(predicted))[0, 1] if len(rows) > 2 else math.nan
-        within = np.mean(true <= WITHIN * predicted)
+    hand = np.array([row["hand"]["free_px"] for row in rows])
+    for label, part, kind in SERIES:
+        predicted, true = final(rows, part, kind)
+        views = np.median([row[part]["views"] for row in rows])
         lines.append(
             f"{label:34} {np.median(true):6.3f}  {np.percentile(true, 95):6.3f}  {true.max():6.3f}"
-            f"  {np.mean(true < hand):8.0%}       {correlation:5.2f}     {within:.0%}"
+            f"  {np.mean(true < hand):8.0%}       {agreement(predicted, true)}  {views:.0f}"
         )
-    lines += [prediction_line(rows, part) for part in ("along_scan", "along_hand")]
-    views = [np.median([row[part]["views"] for row in rows]) for part in ("scan", "stopped")]
-    noise = np.median([row["scan"]["noise_px"] for row in rows])
-    kept = np.mean([row["scan"]["is_static"] for row in rows])
-    lines.append(
-        f"views: {views[0]:.0f} whole, {views[1]:.0f} stopped; corner noise {noise:.3f} px; static in {kept:.0%}"
-    )
+    lines += [along_line(rows, part, label) for part, label in ALONG]
+    for part in ("scan", "stopped"):
+        static, free = final(rows, part, "static")[1], final(rows, part, "free")[1]
+        ahead, taken = np.mean(static < free), np.mean([row[part]["is_static"] for row in rows])
+        lines.append(
+            f"{part}: static boards ahead of free ones in {ahead:.0%}, taken in {taken:.0%}; median error of the same "
+            f"views {1.0 - np.median(static) / np.median(free):.0%} less, largest {1.0 - static.max() / free.max():.0%}"
+        )
+    lines.append(f"corner noise {np.median([row['scan']['noise_px'] for row in rows]):.3f} px")
     for name in ("pitch_error_deg", "roll_error_deg", "height_error_m"):
         values = np.abs([row["scan"][name] for row in rows])
         if np.isfinite(values).any():
@@ -149,16 +176,38 @@ def table(rows: list[dict]) -> str:
     return "\n".join(lines)
 
 
-def prediction_line(rows: list[dict], part: str) -> str:
+def final(rows: list[dict], part: str, kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return predicted and true error [px] of the final cameras of one kind."""
+    predicted = [row[part][f"{kind}_predicted_px"] for row in rows]
+    return np.array(predicted), np.array([row[part][f"{kind}_px"] for row in rows])
+
+
+def agreement(predicted: np.ndarray, true: np.ndarray) -> str:
+    """Return the log-correlation and how often the truth is within the bar."""
+    correlation = np.corrcoef(np.log(true), np.log(predicted))[0, 1] if len(true) > 2 else math.nan
+    return f"{correlation:5.2f}     {np.mean(true <= WITHIN * predicted):4.0%}"
+
+
+def along_line(rows: list[dict], part: str, label: str) -> str:
     """Return how prediction and truth agree over all counts of views."""
     _, predicted, true = np.array([point for row in rows for point in row[part]]).T
-    correlation = np.corrcoef(np.log(true), np.log(predicted))[0, 1]
-    within = np.mean(true <= WITHIN * predicted)
-    where = "scans" if part == "along_scan" else "sets by hand"
     return (
-        f"predicted and true after the first {COUNTS[0]} to {COUNTS[-1]} views of all {where} ({len(true)} cameras, "
-        f"{true.min():.2f} to {true.max():.1f} px): log-correlation {correlation:.2f}, within {WITHIN} x {within:.0%}"
+        f"after the first {COUNTS[0]} to {COUNTS[-1]} views, {label}: {len(true)} cameras, {true.min():.2f} to "
+        f"{true.max():.1f} px, {agreement(predicted, true)}"
     )
+
+
+def together(rows: list[dict]) -> str:
+    """Return how prediction and truth agree over every camera of all runs and layouts that somebody would use."""
+    finals = [
+        final(rows, part, kind)
+        for part, kind in (("scan", "static"), ("stopped", "static"), ("hand", "free"))
+    ]
+    predicted, true = (np.concatenate([pair[side] for pair in finals]) for side in (0, 1))
+    lines = [f"\nfinal cameras of all layouts, with those by hand: {len(true)}, {agreement(predicted, true)}"]
+    points = np.array([point for row in rows for part, _ in ALONG for point in row[part]])
+    lines.append(f"all counts of views, all layouts: {len(points)}, {agreement(points[:, 1], points[:, 2])}")
+    return "\n".join(lines)
 
 
 def plot(rows: list[dict], path: Path) -> None:
@@ -197,14 +246,16 @@ def main() -> None:
     cv2.setNumThreads(1)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     lines = options.out.read_text().splitlines() if options.out.exists() else []
-    rows = [row for row in map(json.loads, lines) if row["layout"] == options.layout]
-    done = {row["seed"] for row in rows}
+    rows = [json.loads(line) for line in lines]
+    done = {row["seed"] for row in rows if row["layout"] == options.layout}
     for seed in range(0 if options.table else options.runs):
         if seed not in done:
             rows.append(run(seed, options.layout))
             with options.out.open("a") as file:
                 file.write(json.dumps(rows[-1]) + "\n")
-    print(table(rows))
+    for layout in sorted({row["layout"] for row in rows}):
+        print(table([row for row in rows if row["layout"] == layout]))
+    print(together(rows))
     if options.plot is not None:
         plot(rows, options.plot)
 
