@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fsm_calib.actions.notebook import Notebook
 from fsm_calib.actions.settings import ActionSettings
+from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.ports import Robot
 
 
@@ -41,6 +42,8 @@ class Bench:
         What the machine tells the action: the state's path, the board's number, counts.
     frames : list of KeptFrame
         Frames for the report, at most `most_frames`, one in `keep_every`; not part of a checkpoint.
+    calibration : CameraCalibration or None
+        The last solution of the camera with its residuals, for the report; not part of a checkpoint.
     """
 
     robot: Robot
@@ -51,6 +54,7 @@ class Bench:
     most_frames: int = 48
     keep_every: int = 6
     seen_frames: int = 0
+    calibration: CameraCalibration | None = None
 
     @property
     def ratio(self) -> float:

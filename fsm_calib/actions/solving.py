@@ -53,7 +53,7 @@ def move_to_standpoint(bench: Bench) -> Outcome:
 
 def _keep(bench: Bench, result: CameraCalibration, cure: str) -> None:
     notebook = bench.notebook
-    notebook.camera = result.camera
+    notebook.camera, bench.calibration = result.camera, result
     validated = result.cross_validated_px
     seen = {str(board): count for board, count in enumerate(result.views_per_board) if count}
     notebook.figures = CameraFigures(

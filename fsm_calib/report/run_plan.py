@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.patches import Polygon, Rectangle
 
 from fsm_calib.report.run_record import RunRecord
@@ -63,15 +64,21 @@ def _square(x: float, y: float, side: float, heading: float) -> np.ndarray:
     return corners @ np.array([[c, s], [-s, c]]) + (x, y)
 
 
+def _fill(axes: Axes, shapes: Sequence[Any], colour: str) -> None:
+    """Fill polygons, each of shape (n, 2) [m], as one object: each by itself takes ten times as long."""
+    axes.add_collection(PolyCollection(shapes, facecolors=colour, edgecolors="none"))
+
+
 def _draw_field(axes: Axes, field: MarkerField) -> None:
     """Draw the floor markers at their places in the drawing; the printed area differs by millimetres."""
+    shapes = []
     for row in range(field.rows):
         y = (0.5 * (field.rows - 1) - row) * field.pitch
         for column in range(field.columns):
             if field.first_id + row * field.columns + column in field.missing:
                 continue
-            corners = _square(field.first_x - column * field.pitch, y, field.size, field.heading)
-            axes.add_patch(Polygon(corners, facecolor="#c9ced6", edgecolor="none"))
+            shapes.append(_square(field.first_x - column * field.pitch, y, field.size, field.heading))
+    _fill(axes, shapes, "#c9ced6")
 
 
 def _draw_board(axes: Axes, placement: BoardPlacement, number: int) -> None:
@@ -92,23 +99,22 @@ def _draw_road(axes: Axes, road: Road) -> None:
     """Draw the road with its lines and the markers of the refinement section."""
     along = Pose2(road.start.x, road.start.y, road.start.theta)
 
-    def band(offset: float, width: float, colour: str, begin: float = 0.0, end: float | None = None) -> None:
+    def band(offset: float, width: float, begin: float = 0.0, end: float | None = None) -> list[Any]:
         corners = [(begin, offset - width / 2), (end or road.length, offset - width / 2)]
         corners += [(x, y + width) for x, y in reversed(corners)]
         points = [along.then(Pose2(x, y)) for x, y in corners]
-        axes.add_patch(Polygon([(p.x, p.y) for p in points], facecolor=colour, edgecolor="none"))
+        return [(p.x, p.y) for p in points]
 
     middle = road.centre_offset
-    band(middle, 2.0 * (road.half_width + SHOULDER), ROAD_GREY)
+    _fill(axes, [band(middle, 2.0 * (road.half_width + SHOULDER))], ROAD_GREY)
     edge = road.half_width - 0.5 * road.white_width
-    band(middle - edge, road.white_width, "#ffffff")
-    band(middle + edge, road.white_width, "#ffffff")
-    for begin in np.arange(0.0, road.length - road.dash, road.dash + road.gap):
-        band(middle, road.yellow_width, "#e6b800", float(begin), float(begin + road.dash))
-    for number in range(road.markers):
-        spot = along.then(Pose2(road.first_marker + number * road.marker_pitch, 0.0))
-        corners = _square(spot.x, spot.y, road.marker_size, road.start.theta)
-        axes.add_patch(Polygon(corners, facecolor="#e3e6ea", edgecolor="none"))
+    _fill(axes, [band(middle + side, road.white_width) for side in (-edge, edge)], "#ffffff")
+    begins = np.arange(0.0, road.length - road.dash, road.dash + road.gap).tolist()
+    _fill(axes, [band(middle, road.yellow_width, begin, begin + road.dash) for begin in begins], "#e6b800")
+    places = [road.first_marker + number * road.marker_pitch for number in range(road.markers)]
+    spots = [along.then(Pose2(place, 0.0)) for place in places]
+    squares = [_square(spot.x, spot.y, road.marker_size, road.start.theta) for spot in spots]
+    _fill(axes, squares, "#e3e6ea")
 
 
 def draw_track(axes: Axes, record: RunRecord) -> None:

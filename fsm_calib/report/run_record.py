@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fsm_calib.actions.notebook import Notebook
+from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.runner.gallery import Picture
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.types import BoardSpec, FloatArray
@@ -36,6 +37,8 @@ class RunRecord:
         The journal.
     notebook : Notebook
         What the actions found.
+    calibration : CameraCalibration or None
+        The camera's solution, with its residuals; None when there is none.
     pictures : sequence of Picture
         Kept frames.
     settings : mapping
@@ -53,6 +56,7 @@ class RunRecord:
     result: Mapping[str, Any]
     events: Sequence[Mapping[str, Any]]
     notebook: Notebook
+    calibration: CameraCalibration | None
     pictures: Sequence[Picture]
     settings: Mapping[str, Mapping[str, Any]]
     track: FloatArray

@@ -11,17 +11,12 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from fsm_calib.errors import DataError
-from fsm_calib.perception.calibration import CameraCalibration
-from fsm_calib.perception.intrinsics import calibrate
 from fsm_calib.report import run_camera, run_plan, run_timeline, run_wheels
 from fsm_calib.report.camera_words import scan_verdict
 from fsm_calib.report.run_record import RunRecord
 
 TEMPLATE = "run.html.j2"
 FIGURES = ("plan", "timeline", "coverage", "reprojection", "predicted", "ratio", "drives")
-FEWEST_VIEWS = 3
-"""Fewer views of boards than this give no picture of the camera's fit."""
 
 
 @dataclass(frozen=True)
@@ -58,26 +53,14 @@ def _figures(record: RunRecord) -> dict[str, Markup]:
         drawn["timeline"] = run_timeline.time_line(record)
     if record.notebook.views:
         drawn["coverage"] = run_camera.coverage(record)
-    calibration = _calibration(record)
-    if calibration is not None:
-        drawn["reprojection"] = run_camera.reprojection(calibration)
-        drawn["predicted"] = run_camera.predicted_error(calibration)
+    if record.calibration is not None:
+        drawn["reprojection"] = run_camera.reprojection(record.calibration)
+        drawn["predicted"] = run_camera.predicted_error(record.calibration)
     if len(record.notebook.ratio_history) > 1:
         drawn["ratio"] = run_wheels.ratio_history(record)
     if record.paths:
         drawn["drives"] = run_wheels.test_drives(record)
     return {name: Markup(text) for name, text in drawn.items()}
-
-
-def _calibration(record: RunRecord) -> CameraCalibration | None:
-    """Return the fit of the kept views, for its residuals; None when they give no camera."""
-    views = record.notebook.views
-    if record.notebook.camera is None or len(views) < FEWEST_VIEWS:
-        return None
-    try:
-        return calibrate(views, record.board, record.notebook.image_size, guess=record.notebook.camera)
-    except DataError:
-        return None
 
 
 def cards(result: Mapping[str, Any]) -> list[Card]:

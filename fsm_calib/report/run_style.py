@@ -29,6 +29,9 @@ PHASE_COLOURS = {
 BOARD_COLOURS = ("#2b7bba", "#e08214", "#2a9d5c", "#c2428a", "#8c6bb1", "#b8860b")
 """One colour for each board, in turn."""
 
+TEXT = "#555555"
+"""Colour of the axes' labels."""
+
 STYLE: Any = {
     "font.size": 9.0,
     "font.family": "sans-serif",
@@ -36,8 +39,8 @@ STYLE: Any = {
     "axes.spines.right": False,
     "axes.edgecolor": "#777777",
     "axes.labelcolor": "#333333",
-    "xtick.color": "#555555",
-    "ytick.color": "#555555",
+    "xtick.color": TEXT,
+    "ytick.color": TEXT,
     "axes.titlesize": 10.0,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",

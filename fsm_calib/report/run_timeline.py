@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fsm_calib.report.run_record import RunRecord
-from fsm_calib.report.run_style import PHASE_COLOURS, Margins, figure, svg
+from fsm_calib.report.run_style import PHASE_COLOURS, TEXT, Margins, figure, svg
 
 ROW = 0.17
 """Height of a row [inch]."""
@@ -17,13 +17,20 @@ def time_line(record: RunRecord) -> str:
     margins = Margins(left=0.2 + LETTER * max(map(len, rows)))
     with figure(9.0, 0.8 + ROW * max(len(rows), 3), margins) as fig:
         axes = fig.add_subplot()
-        for path, begin, end in record.spans:
+        beside = (
+            axes.get_yaxis_transform()
+        )  # x in axes, y in rows: a text is drawn in a tenth of a tick's time
+        for number, path in enumerate(rows):
             colour = PHASE_COLOURS.get(path.split("/")[0], "#555555")
-            axes.barh(rows.index(path), max(end - begin, 0.05), left=begin, height=0.72, color=colour)
-        axes.set_yticks(range(len(rows)), [path.replace("/", " / ") for path in rows], fontsize=7.5)
-        axes.set_ylim(len(rows) - 0.4, -0.6)
+            stays = [(begin, max(end - begin, 0.05)) for where, begin, end in record.spans if where == path]
+            axes.broken_barh(stays, (number - 0.36, 0.72), color=colour, linewidth=0)
+            name = path.replace("/", " / ")
+            axes.text(
+                -0.007, number, name, transform=beside, ha="right", va="center", fontsize=7.5, color=TEXT
+            )
+        axes.set_yticks([])
+        axes.set(xlim=(0.0, None), ylim=(len(rows) - 0.4, -0.6))
         axes.set_xlabel("robot time [s]")
         axes.grid(axis="x", color="#e3e3e3", linewidth=0.6)
         axes.set_axisbelow(True)
-        axes.tick_params(axis="y", length=0)
         return svg(fig, "Time line of states")

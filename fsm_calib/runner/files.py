@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from fsm_calib.calibration_files import write_kinematics
+from fsm_calib.errors import DataError
 from fsm_calib.journal import JOURNAL_NAME, read_journal, write_atomically
+from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.perception.camera_files import write_extrinsics, write_intrinsics
 from fsm_calib.perception.extrinsics import floor_homography, is_corrupt, rectified_matrix
+from fsm_calib.perception.static_boards import calibrate_scan
 from fsm_calib.report.run_record import RunRecord
 from fsm_calib.runner.result import calibration_of, test_drives
 from fsm_calib.runner.session import Session
@@ -71,11 +74,23 @@ def record_of(directory: Path, session: Session, result: Mapping[str, Any]) -> R
         result=result,
         events=list(read_journal(directory / JOURNAL_NAME)),
         notebook=session.run.bench.notebook,
+        calibration=session.run.bench.calibration or _solved_again(session),
         pictures=session.run.gallery.pictures,
         settings=settings_of(session),
         track=session.world.truth.trace,
         paths=test_drives(session),
     )
+
+
+def _solved_again(session: Session) -> CameraCalibration | None:
+    """Return the camera's solution of a run that went on after it: the same views give it again."""
+    notebook = session.run.bench.notebook
+    if notebook.camera is None or notebook.figures is None:
+        return None
+    try:
+        return calibrate_scan(notebook.views, session.settings.board, notebook.image_size).calibration
+    except DataError:
+        return None
 
 
 def settings_of(session: Session) -> dict[str, Any]:
