@@ -24,6 +24,7 @@ from fsm_calib.world2d.parameters import parameter_table
 
 MOST_STARTS = 24
 CHECKED = 4  # starts whose promise is checked by simulation
+NO_CHANGE = 1e-9  # squared whitened units: below it a start changes nothing that is seen
 LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
 
 
@@ -176,18 +177,19 @@ class Prober:
         """Return the log-likelihood that a change wins as it stands, base re-fitted linearly; -inf for none at all."""
         x = project(self.residual, columns)[:, 0]
         power = float(x @ x)
-        return float(x @ self.residual.psi) - 0.5 * power if power > 1e-9 else -np.inf
+        return float(x @ self.residual.psi) - 0.5 * power if power > NO_CHANGE else -np.inf
 
     def starts(self, hypothesis: Hypothesis, changes: Mapping[str, float]) -> list[Start]:
         """Return two starts: the change as declared, and with its strengths scaled by what the data ask for.
 
-        The first carries what it wins, the second what it would win if the effect were linear.
+        The first carries what it wins (-inf where it changes nothing), the second what it would win if the effect
+        were linear.
         """
         effect = registry()[hypothesis.effect]
         values = with_values(self.parent.values, changes, hypothesis.run)
         x = project(self.residual, self.columns(values))[:, 0]
         power, score = float(x @ x), float(x @ self.residual.psi)
-        found = [Start(values, score - 0.5 * power)]
+        found = [Start(values, score - 0.5 * power if power > NO_CHANGE else -np.inf)]
         amplitude = score / max(power, 1e-12)
         if power > 1e-12 and (amplitude > 0 or _two_sided(effect, hypothesis)):
             size = np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE)
@@ -202,11 +204,13 @@ class Prober:
     ) -> list[Start]:
         """Return the most promising starts; numbers that belong to a recording are chosen for each by itself.
 
-        The promises of the leaders are checked by simulation: an effect with a threshold is far from linear.
+        What declared starts promise was simulated. That of scaled ones is a guess, checked by simulation for the
+        leaders: an effect with a threshold is far from linear.
         """
-        tried = [start for choice in choices for start in self.starts(hypothesis, choice)]
-        tried.sort(key=lambda start: -start.promise)
-        starts = [Start(s.values, self.gain(self.columns(s.values))) for s in tried[:CHECKED]]
+        tried = [self.starts(hypothesis, choice) for choice in choices]
+        starts = [pair[0] for pair in tried]
+        guessed = sorted((s for pair in tried for s in pair[1:]), key=lambda start: -start.promise)
+        starts += [Start(s.values, self.gain(self.columns(s.values))) for s in guessed[:CHECKED]]
         own = [n for n in hypothesis.names if registry()[hypothesis.effect].parameter(n).per_recording]
         if own and hypothesis.run == ALL_RUNS and len(self.simulators) > 1:
             starts.append(self._mixed(hypothesis, choices))

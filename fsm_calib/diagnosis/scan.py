@@ -26,7 +26,8 @@ from fsm_calib.diagnosis.scan_areas import (
     slip_columns,
     strips,
 )
-from fsm_calib.diagnosis.simulator import Simulator, through_sensor
+from fsm_calib.diagnosis.scan_markers import jumps_of, likely_discs
+from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.diagnosis.situation import Situation
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
@@ -38,7 +39,6 @@ PUSH_LENGTH = 0.25  # s
 KEEP = 3
 GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
 CHUNK = 96
-MARKER_TURN = 0.05  # rad, small enough to be linear
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,43 +104,34 @@ class Scanner:
         return self._areas("low_friction_patch", discs(self.places()), slip_columns, 3)
 
     def markers(self) -> list[Candidate]:
-        """Return discs inside which the poses are turned about their centre."""
-        return self._areas("misplaced_marker", discs(self.places()), self._marker_columns, 1)
+        """Return discs inside which the poses are turned about their centre, or turned and shifted."""
+        jumps = [
+            jumps_of(simulator.prepared, simulated)
+            for simulator, simulated in zip(self.simulators, self.parent.simulated, strict=True)
+        ]
+        turned, shifted = likely_discs(jumps, False), likely_discs(jumps, True)
+        cost = float(np.log(self.residual.engine.count))  # of two numbers more
+        best = turned[0].promise if turned else 0.0
+        found = turned + [disc for disc in shifted if disc.promise > best + cost]
+        return [Candidate(disc.changes, disc.promise) for disc in found if not self.hopeless(disc.promise)]
 
     def _areas(self, name: str, areas: list[Area], columns: Columns, width: int) -> list[Candidate]:
         """Return the best areas that lie apart, each moved and resized until it promises most."""
         one_sided = name == "rough_floor_patch"
 
-        def judge(tried: Sequence[Area]) -> tuple[FloatArray, FloatArray]:
+        def judge(tried: Sequence[Area]) -> FloatArray:
             blocks = [columns(run, s, tried) for run, s in enumerate(self.situations)]
             promise, amplitude = self.scores(blocks, width)
-            return (np.where(amplitude[:, 0] > 0, promise, 0.0) if one_sided else promise), amplitude[:, 0]
+            return np.where(amplitude[:, 0] > 0, promise, 0.0) if one_sided else promise
 
-        promise, _ = judge(areas)
+        promise = judge(areas)
         found = []
         for area in apart(areas, promise, KEEP, 1.5 * PITCH):
             if self.hopeless(float(promise[areas.index(area)])):
                 continue
-            best, gain, size = settled(area, judge)
-            changes = {f"{name}.{key}": value for key, value in best.numbers(name).items()}
-            if name == "misplaced_marker":
-                changes[f"{name}.turn"] = float(np.clip(size, -1.0, 1.0))
-            found.append(Candidate(changes, gain))
+            best, gain = settled(area, judge)
+            found.append(Candidate({f"{name}.{k}": v for k, v in best.numbers(name).items()}, gain))
         return found
-
-    def _marker_columns(self, run: int, situation: Situation, areas: Sequence[Area]) -> FloatArray:
-        """Return the increments of a unit turn of the marker in each area, (n, 5, areas)."""
-        table, before = parameter_table(), self.parent.simulated[run]
-        block = np.zeros((*before.shape, len(areas)))
-        for i, area in enumerate(areas):
-            vector = self.parent.values[run].copy()
-            vector[table.place("misplaced_marker.turn")] = MARKER_TURN
-            for name, value in area.numbers("misplaced_marker").items():
-                vector[table.place(f"misplaced_marker.{name}")] = value
-            moved = before.copy()
-            through_sensor(vector, self.simulators[run].prepared.reference, moved)
-            block[:, :, i] = (moved - before) / MARKER_TURN
-        return block
 
     def spans(self) -> list[Candidate]:
         """Return spans of one recording in which one wheel's motor is weaker."""

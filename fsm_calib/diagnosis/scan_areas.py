@@ -33,8 +33,6 @@ class Area:
 
     def numbers(self, effect: str) -> dict[str, float]:
         """Return the area in the words of an effect's parameters."""
-        if effect == "misplaced_marker":
-            return {"x": self.x, "y": self.y, "radius": self.half_x}
         if effect == "low_friction_patch":
             return {"x": self.x, "y": self.y, "radius": self.half_x}
         return {"x": self.x, "y": self.y, "half_x": self.half_x, "half_y": self.half_y}
@@ -52,7 +50,7 @@ class Area:
 
 
 Columns = Callable[[int, Situation, Sequence[Area]], FloatArray]
-Judge = Callable[[Sequence[Area]], tuple[FloatArray, FloatArray]]
+Judge = Callable[[Sequence[Area]], FloatArray]
 
 
 def discs(centres: FloatArray) -> list[Area]:
@@ -92,19 +90,18 @@ def apart(areas: Sequence[Area], promise: FloatArray, keep: int, distance: float
     return kept
 
 
-def settled(area: Area, judge: Judge) -> tuple[Area, float, float]:
-    """Move and resize an area while that promises more; return it with its promise and amplitude."""
-    promise, amplitude = judge([area])
-    best, gain, size = area, float(promise[0]), float(amplitude[0])
+def settled(area: Area, judge: Judge) -> tuple[Area, float]:
+    """Move and resize an area while that promises more; return it with its promise."""
+    best, gain = area, float(judge([area])[0])
     for step in SETTLE_STEPS:
         for _ in range(ROUNDS):
             tried = list(neighbours(best, step))
-            promise, amplitude = judge(tried)
+            promise = judge(tried)
             i = int(np.argmax(promise))
             if promise[i] <= gain:
                 break
-            best, gain, size = tried[i], float(promise[i]), float(amplitude[i])
-    return best, gain, size
+            best, gain = tried[i], float(promise[i])
+    return best, gain
 
 
 def neighbours(area: Area, step: float) -> Iterator[Area]:

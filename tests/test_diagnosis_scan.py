@@ -1,0 +1,86 @@
+"""Where fits start: declared starts are judged by what they win, and a marker by the jumps at its disc's edge."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis_robots import recording
+
+from fsm_calib.diagnosis.bank import Bank
+from fsm_calib.diagnosis.base import fit_base
+from fsm_calib.diagnosis.fit import Engine
+from fsm_calib.diagnosis.hypotheses import Hypothesis, declared_starts, with_values
+from fsm_calib.diagnosis.prepared import prepare
+from fsm_calib.diagnosis.scan_markers import jumps_of, likely_discs
+from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.world2d.effects import registry
+
+MARKER = {"turn": 0.12, "x": 0.15, "y": 0.0, "radius": 0.2}
+
+
+def bank_of(*recordings):
+    engine = Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+    return Bank.on(engine, fit_base(engine))
+
+
+@pytest.fixture(scope="module")
+def marked():
+    numbers = {f"misplaced_marker__{name}": value for name, value in MARKER.items()}
+    return bank_of(*(recording(seed, **numbers) for seed in (0, 1)))
+
+
+def discs_of(bank, shifted=False):
+    pairs = zip(bank.engine.simulators, bank.parent.simulated, strict=True)
+    return likely_discs([jumps_of(s.prepared, simulated) for s, simulated in pairs], shifted)
+
+
+def test_the_chosen_start_wins_no_less_than_any_declared_one():
+    bank = bank_of(recording(0, command_saturation__limit=0.45), recording(1, command_saturation__limit=0.45))
+    form = Hypothesis("command_saturation", ("limit",))
+    choices = declared_starts(form)
+    (best,) = bank.prober.best_starts(form, choices, 1)
+    declared = [bank.prober.gain(bank.prober.columns(with_values(bank.parent.values, c))) for c in choices]
+    assert best.promise >= max(declared)
+
+
+def test_a_limit_that_is_seldom_reached_is_found():
+    bank = bank_of(recording(0, command_saturation__limit=0.45), recording(1, command_saturation__limit=0.45))
+    (ranked,) = bank.rank([registry()["command_saturation"]])
+    assert ranked.fit.slot_values()[-1] == pytest.approx(0.45, abs=0.01)
+
+
+def test_the_jumps_show_where_a_turned_marker_lies(marked):
+    best = discs_of(marked)[0]
+    assert np.hypot(best.x - MARKER["x"], best.y - MARKER["y"]) < 0.06
+    assert best.radius == pytest.approx(MARKER["radius"], abs=0.06)
+    assert best.turn == pytest.approx(MARKER["turn"], rel=0.4)
+
+
+def test_a_turned_marker_is_fitted_from_there(marked):
+    (ranked,) = marked.rank([registry()["misplaced_marker"]])
+    found = dict(
+        zip(ranked.hypothesis.names, ranked.fit.slot_values()[-len(ranked.hypothesis.names) :], strict=True)
+    )
+    assert found["turn"] == pytest.approx(MARKER["turn"], rel=0.1)
+    assert np.hypot(found["x"] - MARKER["x"], found["y"] - MARKER["y"]) < 0.03
+
+
+def test_a_shifted_marker_or_the_rest_of_the_map_shifted_back_is_found():
+    numbers = {"misplaced_marker__shift_x": 0.03, "misplaced_marker__shift_y": -0.02}
+    place = {f"misplaced_marker__{name}": MARKER[name] for name in ("x", "y", "radius")}
+    best = discs_of(bank_of(*(recording(seed, **numbers, **place) for seed in (0, 1))), shifted=True)[0]
+    sign = np.sign(best.shift_x)
+    assert sign * np.array([best.shift_x, best.shift_y]) == pytest.approx((0.03, -0.02), abs=0.01)
+
+
+def test_two_outliers_in_a_row_are_no_marker():
+    drive = recording(0)
+    x = drive.pose.x.copy()
+    x[200:202] += 0.1
+    spoilt = bank_of(replace(drive, pose=replace(drive.pose, x=x)))
+    assert all(disc.promise < 25.0 for disc in discs_of(spoilt))
+
+
+def test_the_jumps_of_a_plain_robot_are_noise():
+    bank = bank_of(recording(0))
+    assert all(disc.promise < 25.0 for disc in discs_of(bank))
