@@ -107,12 +107,18 @@ def _vote(white: FloatArray, yellow: FloatArray, settings: LaneSettings) -> tupl
     widths = (settings.white_width, settings.yellow_width)
     for points, offset, width in zip((white, yellow), _line_offsets(settings), widths, strict=True):
         if len(points):
-            side = np.sin(phi)[:, None] * points[:, 0] + np.cos(phi)[:, None] * points[:, 1]
+            side = np.sort(np.sin(phi)[:, None] * points[:, 0] + np.cos(phi)[:, None] * points[:, 1], axis=1)
             reach = width / 2.0 + settings.inlier
-            near = np.abs(side[:, None, :] + d[None, :, None] - offset) < reach
-            score += near.sum(axis=2) / max(len(points), settings.smallest_support) / reach
+            near = [_between(row, offset - d - reach, offset - d + reach) for row in side]
+            score += np.array(near) / max(len(points), settings.smallest_support) / reach
     best = np.unravel_index(int(np.argmax(score)), score.shape)
     return float(d[best[1]]), float(phi[best[0]])
+
+
+def _between(ordered: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return how many of the ordered values lie between `low` and `high`, each of shape (n,)."""
+    count = np.searchsorted(ordered, high, side="left") - np.searchsorted(ordered, low, side="right")
+    return count.astype(float)
 
 
 def _refine(

@@ -38,6 +38,7 @@ from fsm_calib.recording.recording import Recording
 TOPIC = "/fsm_calib/{}"
 HEAD_TOPIC = TOPIC.format("recording")
 BAG_EPOCH = 1_000_000_000_000_000_000  # ns: time 0 of a recording in a bag, so that no stamp is negative
+GZIP_LEVEL = 6  # 9 takes twice as long for files 2 % smaller
 CHANNEL_KEYS = {"twist": "command"}
 COLUMNS = {
     "wheel_angle": {"unit": "rad"},
@@ -108,7 +109,7 @@ def _write_table(path: Path, channel: Channel) -> None:
     writer.writerows(zip(*(_cells(column) for column in columns.values()), strict=True))
     data = text.getvalue().encode("utf-8")
     # no time stamp in the archive: the same recording gives the same bytes
-    path.write_bytes(gzip.compress(data, mtime=0) if path.suffix == ".gz" else data)
+    path.write_bytes(gzip.compress(data, GZIP_LEVEL, mtime=0) if path.suffix == ".gz" else data)
 
 
 def _ticks(angle: np.ndarray, resolution: float) -> np.ndarray:

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.errors import InputError
-from fsm_calib.types import CameraModel, CameraMount, FloatArray, Pose2
+from fsm_calib.types import CameraModel, CameraMount, Pose2
 from fsm_calib.world2d.lens import RayTable, camera_pose, ray_table
 from fsm_calib.world2d.sensor import Light, SensorSettings, expose
 from fsm_calib.world2d.surfaces import Scene
 from fsm_calib.world2d.textures import Image, Texture
-from fsm_calib.world2d.visible import Box, Seen, SurfaceIndex
+from fsm_calib.world2d.visible import Box, Matrix, Seen, SurfaceIndex
 
 _BAND_ROWS = 60
 """Rows of the image that share one texture level, for surfaces seen at a slant [px]."""
@@ -149,7 +149,7 @@ def _draw_background(luma: Image, chroma: Image, seen: Seen, table: RayTable) ->
     """Draw a wall of the hall or the floor into images of half the resolution, in place."""
     texture = seen.surface.texture
     for box in _bands(seen.box):
-        sharp, slanted = _footprint(table.rays, box, _to_texels(seen, 0))
+        sharp, slanted = _footprint(table.rays, box, seen)
         level = _level(2.0 * math.sqrt(sharp * slanted), texture)
         x0, y0, x1, y1 = _halved(box)
         where = _project(table.coarse[y0:y1, x0:x1], _to_texels(seen, level))
@@ -183,7 +183,7 @@ def _draw_chroma(image: Image, seen: Seen, table: RayTable) -> None:
         return  # prints lie on grey ground
     level, picture = 0, _grey(texture.luma[0].shape)
     if texture.chroma is not None:
-        sharp, slanted = _footprint(table.rays, seen.box, _to_texels(seen, 0))
+        sharp, slanted = _footprint(table.rays, seen.box, seen)
         level = _level(2.0 * math.sqrt(sharp * slanted), texture)
         picture = texture.chroma[level]
     where = _project(table.coarse[y0:y1, x0:x1], _to_texels(seen, level))
@@ -195,14 +195,20 @@ def _grey(shape: tuple[int, int]) -> Image:
     return np.full((*shape, 2), _NEUTRAL, dtype=np.uint8)
 
 
-def _to_texels(seen: Seen, level: int) -> FloatArray:
-    """Return the map from rays to texture pixels of a level; texel t covers [t, t + 1), so centres are half a
-    texel off.
+def _to_texels(seen: Seen, level: int) -> Matrix:
+    """Return the map from rays to texture pixels of a level, three rows; texel t covers [t, t + 1), so centres
+    are half a texel off.
+
+    Plain numbers: thousands of such maps are made in a second, and numpy takes ten times as long for nine numbers.
     """
     scale = seen.surface.texture.scale * 0.5**level
-    matrix = seen.plane_from_ray * np.array([[scale], [scale], [1.0]])
-    matrix[:2] -= 0.5 * matrix[2]
-    return matrix
+    a, b, (w0, w1, w2) = seen.rows
+    h0, h1, h2 = 0.5 * w0, 0.5 * w1, 0.5 * w2
+    return (
+        (a[0] * scale - h0, a[1] * scale - h1, a[2] * scale - h2),
+        (b[0] * scale - h0, b[1] * scale - h1, b[2] * scale - h2),
+        (w0, w1, w2),
+    )
 
 
 def _lookup(picture: Image, where: NDArray[Any], target: Image) -> None:
@@ -211,28 +217,30 @@ def _lookup(picture: Image, where: NDArray[Any], target: Image) -> None:
     cv2.remap(picture, where, none, cv2.INTER_LINEAR, dst=target, borderMode=cv2.BORDER_TRANSPARENT)
 
 
-def _project(rays: NDArray[Any], matrix: FloatArray) -> NDArray[Any]:
+def _project(rays: NDArray[Any], matrix: Matrix) -> NDArray[Any]:
     """Return the texture coordinates of rays, shape (h, w, 2) [texture px]; far outside where the ray misses
     the plane.
     """
-    texels = cv2.perspectiveTransform(rays, matrix)
-    corners = rays[[0, 0, -1, -1], [0, -1, 0, -1]].astype(float) @ matrix[2, :2] + matrix[2, 2]
-    if corners.min() < 0.05 * np.abs(matrix[2]).max():
-        third = rays[..., 0] * np.float32(matrix[2, 0])
-        third += rays[..., 1] * np.float32(matrix[2, 1])
-        texels[third <= np.float32(1e-6 - matrix[2, 2])] = _OUTSIDE
+    texels = cv2.perspectiveTransform(rays, np.array(matrix))
+    w0, w1, w2 = matrix[2]
+    corners = (rays[0, 0].tolist(), rays[0, -1].tolist(), rays[-1, 0].tolist(), rays[-1, -1].tolist())
+    if min(x * w0 + y * w1 + w2 for x, y in corners) < 0.05 * max(abs(w0), abs(w1), abs(w2)):
+        third = rays[..., 0] * np.float32(w0)
+        third += rays[..., 1] * np.float32(w1)
+        texels[third <= np.float32(1e-6 - w2)] = _OUTSIDE
     return texels
 
 
-def _footprint(rays: NDArray[Any], box: Box, to_texels: FloatArray) -> tuple[float, float]:
+def _footprint(rays: NDArray[Any], box: Box, seen: Seen) -> tuple[float, float]:
     """Return the texels of level 0 that a pixel covers at the box's centre, along the sharper and the slanted
     way.
     """
     row, column = (box[1] + box[3]) // 2 + 1, (box[0] + box[2]) // 2 + 1
+    (a0, a1, a2), (b0, b1, b2), (w0, w1, w2) = _to_texels(seen, 0)
     points = []
     for x, y in (rays[row, column].tolist(), rays[row, column + 1].tolist(), rays[row + 1, column].tolist()):
-        a, b, w = (line[0] * x + line[1] * y + line[2] for line in to_texels.tolist())
-        points.append((a / max(abs(w), 1e-6), b / max(abs(w), 1e-6)))
+        w = max(abs(w0 * x + w1 * y + w2), 1e-6)
+        points.append(((a0 * x + a1 * y + a2) / w, (b0 * x + b1 * y + b2) / w))
     across, down = math.dist(points[0], points[1]), math.dist(points[0], points[2])
     return min(across, down), max(across, down)
 
@@ -244,7 +252,7 @@ def _level(texels: float, texture: Texture) -> int:
 
 def _sampling(rays: NDArray[Any], box: Box, seen: Seen) -> tuple[int, int]:
     """Choose the texture's level and the samples per pixel and direction for a print."""
-    sharp, slanted = _footprint(rays, box, _to_texels(seen, 0))
+    sharp, slanted = _footprint(rays, box, seen)
     level = _level(max(_FINE * sharp, slanted / _MAX_SAMPLES), seen.surface.texture)
     samples = min(max(math.ceil(slanted / 2**level), 2), _MAX_SAMPLES)
     pixels = (box[2] - box[0]) * (box[3] - box[1])

@@ -195,7 +195,6 @@ def road_texture(road: Road) -> Texture:
     yellow = (np.abs(across) < 0.5 * road.yellow_width)[None] & (along % (road.dash + road.gap) < road.dash)[
         :, None
     ]
-    paint = np.clip(np.asarray(WHITE_BGR) * tape, 0, 255).astype(np.uint8)
-    image[:, white] = paint[:, white]
-    image[yellow] = np.clip(np.asarray(YELLOW_BGR) * tape, 0, 255).astype(np.uint8)[yellow]
+    image[:, white] = np.clip(np.asarray(WHITE_BGR) * tape[:, white], 0, 255).astype(np.uint8)
+    image[yellow] = np.clip(np.asarray(YELLOW_BGR) * tape[yellow], 0, 255).astype(np.uint8)
     return make_texture(image, ROAD_SCALE)

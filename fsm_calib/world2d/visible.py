@@ -27,6 +27,9 @@ _LARGE = 0.5
 
 Box = tuple[int, int, int, int]
 RealBox = tuple[float, float, float, float]
+Row = tuple[float, float, float]
+Matrix = tuple[Row, Row, Row]
+"""A 3 x 3 matrix as plain numbers, row by row."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +37,12 @@ class Seen:
     """A surface in sight: the image box (x0, y0, x1, y1), ends excluded [px], and the map from rays to its
     plane.
 
-    plane_from_ray : shape (3, 3), (x, y, 1) -> homogeneous plane point [m]; positive third component in
-    front.
+    rows : of the matrix (x, y, 1) -> homogeneous plane point [m]; its third component is positive in front.
     """
 
     surface: Surface
     box: Box
-    plane_from_ray: FloatArray
+    rows: Matrix
 
 
 class SurfaceIndex:
@@ -77,7 +79,8 @@ class SurfaceIndex:
             low = _BAKED if self.layers[index] == _LAYERS["decal"] else _SMALLEST
             whole = _clip(box, table, low)
             if whole is not None:
-                seen.append(Seen(self.surfaces[index], whole, plane_from_ray[index]))
+                a, b, w = plane_from_ray[index].tolist()
+                seen.append(Seen(self.surfaces[index], whole, (tuple(a), tuple(b), tuple(w))))
         return _in_drawing_order(seen, position)
 
 
