@@ -11,9 +11,9 @@ from camera_views import BOARD, MOUNT, SIZE, TRUTH, hand_held, scanned
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.perception.bundle import fit
 from fsm_calib.perception.fleet_camera import FLEET_MEDIAN, fleet_start, why_not_a_duckiebot
-from fsm_calib.perception.free_boards import FreeBoards, start_poses
+from fsm_calib.perception.free_boards import FreeBoards, fitted_poses, start_poses
 from fsm_calib.perception.intrinsics import calibrate, views_per_board
-from fsm_calib.perception.lens import camera_model, intrinsics_vector
+from fsm_calib.perception.lens import camera_model, intrinsics_vector, project
 from fsm_calib.perception.prediction import projection_difference
 from fsm_calib.perception.rotations import rotation_from_vector
 from fsm_calib.perception.solve_settings import SolveSettings
@@ -93,6 +93,33 @@ def test_a_wrong_view_is_dropped_and_named() -> None:
     result = calibrate(views, BOARD, SIZE, settings=QUICK)
     assert [drop.source for drop in result.views_dropped] == ["frame 5"]
     assert "do not fit" in result.views_dropped[0].reason
+
+
+#: a lens of the fleet's edge, and a tilted board near the image's border: with the median lens its mirror image fits
+SHORT_LENS = np.array([298.9, 301.0, 318.5, 241.3, -0.2878, 0.0569, -0.0016, -0.0004, 0.0, 0.0, 0.0, 0.0])
+BORDER_POSE = (np.array([-0.09, -0.20, -0.12]), np.array([-0.43, -0.19, 0.29]))
+
+
+def border_view(seed: int = 3) -> BoardView:
+    turn, shift = BORDER_POSE
+    image = project(SHORT_LENS, BOARD.points_board() @ rotation_from_vector(turn).T + shift)
+    return BoardView(image + np.random.default_rng(seed).normal(size=image.shape) * 0.03, 0, "border")
+
+
+def test_a_view_whose_mirror_image_fitted_the_first_lens_is_posed_again_and_kept() -> None:
+    views = [*hand_held(20, 0.03, vector=SHORT_LENS), border_view()]
+    result = calibrate(views, BOARD, SIZE, settings=QUICK)
+    assert not result.views_dropped
+    np.testing.assert_allclose(result.shift[-1], BORDER_POSE[1], atol=2e-3)
+    assert projection_difference(camera_model(SHORT_LENS, SIZE), result.camera).rms < 0.2
+
+
+def test_the_pose_that_fits_is_found_from_the_mirror_image_too() -> None:
+    problem = FreeBoards(border_view().corners_image[None], BOARD.points_board())
+    mirrored = start_poses(SHORT_LENS, problem.corners_image, problem.points_board, 1)
+    assert np.linalg.norm(mirrored.shift[0] - BORDER_POSE[1]) > 0.05
+    found = fitted_poses(SHORT_LENS, problem)
+    np.testing.assert_allclose(found.shift[0], BORDER_POSE[1], atol=2e-3)
 
 
 def test_a_wrong_corner_is_left_out_and_its_view_kept() -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from fsm_calib.perception.bundle import Linearized
+from fsm_calib.perception.bundle import Linearized, corner_distances, fit
 from fsm_calib.perception.lens import project, project_with_derivatives, unproject
 from fsm_calib.perception.rotations import rotation_from_vector, skew
 from fsm_calib.types import FloatArray
@@ -84,9 +84,11 @@ class FreeBoards:
         return FreeBoards(self.corners_image[which], self.points_board)
 
 
-def start_poses(intrinsics: FloatArray, corners_image: FloatArray, points_board: FloatArray) -> BoardPoses:
+def start_poses(
+    intrinsics: FloatArray, corners_image: FloatArray, points_board: FloatArray, choice: int = 0
+) -> BoardPoses:
     """Return the poses that explain each view's corners with these intrinsics (infinitesimal plane-based
-    solution).
+    solution): the better of the two that a plane has (`choice` 0), or its mirror image (1).
     """
     rotations, shifts = [], []
     for corners in corners_image:
@@ -94,16 +96,35 @@ def start_poses(intrinsics: FloatArray, corners_image: FloatArray, points_board:
         _, turns, centres, _ = cv2.solvePnPGeneric(
             points_board, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE
         )
-        turn, shift = _best_in_front(turns, centres)
+        turn, shift = _in_front(turns, centres, choice)
         rotations.append(rotation_from_vector(turn))
         shifts.append(shift)
     return BoardPoses(np.array(intrinsics, dtype=float), np.array(rotations), np.array(shifts))
 
 
-def _best_in_front(turns: Sequence, shifts: Sequence) -> tuple[FloatArray, FloatArray]:
-    """Return the first (best) solution in front of the camera."""
-    for turn, shift in zip(turns, shifts, strict=True):
-        if float(np.ravel(shift)[2]) > 0.0:
-            return np.ravel(turn), np.ravel(shift)
+def fitted_poses(intrinsics: FloatArray, problem: FreeBoards) -> BoardPoses:
+    """Return the poses that fit each view best with these intrinsics, from either of the two that a plane has.
+
+    A tilted board near the image's border that is read with a wrong lens looks like its mirror image, and no
+    small step leads from there.
+    """
+    kept, held = np.ones(problem.corners_image.shape[:2]), np.ones(intrinsics.size, dtype=bool)
+    fits = []
+    for choice in (0, 1):
+        start = start_poses(intrinsics, problem.corners_image, problem.points_board, choice)
+        fits.append(fit(problem, start, held, kept))
+    off = [np.median(corner_distances(found.residual), axis=1) for found in fits]
+    first, second = (found.state for found in fits)
+    is_mirrored = (off[1] < off[0])[:, None]
+    rotation = np.where(is_mirrored[:, None], second.rotation, first.rotation)
+    return replace(first, rotation=rotation, shift=np.where(is_mirrored, second.shift, first.shift))
+
+
+def _in_front(turns: Sequence, shifts: Sequence, choice: int) -> tuple[FloatArray, FloatArray]:
+    """Return the solution of this number among those in front of the camera, the last where there are fewer."""
+    found = [pair for pair in zip(turns, shifts, strict=True) if float(np.ravel(pair[1])[2]) > 0.0]
+    if found:
+        turn, shift = found[min(choice, len(found) - 1)]
+        return np.ravel(turn), np.ravel(shift)
     shift = np.ravel(shifts[0])
     return np.ravel(turns[0]), np.array([shift[0], shift[1], max(abs(float(shift[2])), 1e-2)])

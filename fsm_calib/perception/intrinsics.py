@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from fsm_calib.perception.bundle import fit
 from fsm_calib.perception.calibration import CameraCalibration, DroppedView, fit_figures
 from fsm_calib.perception.coverage import coverage
 from fsm_calib.perception.fleet_camera import fleet_start, why_not_a_duckiebot
-from fsm_calib.perception.free_boards import BoardPoses, FreeBoards
+from fsm_calib.perception.free_boards import BoardPoses, FreeBoards, fitted_poses
 from fsm_calib.perception.lens import camera_model, intrinsics_vector
 from fsm_calib.perception.outliers import bad_views, kept_corners
 from fsm_calib.perception.prediction import predicted_error, sensitivity
@@ -71,7 +71,8 @@ def calibrate(
     _check(views, board, settings)
     problem = FreeBoards(np.stack([view.corners_image for view in views]), board.points_board())
     start = _start(problem, image_size, guess)
-    used, kept, start, dropped = _without_outliers(problem, start, views, settings)
+    agreed = _without_outliers(problem, start, views, settings)
+    used, kept, start, dropped = agreed.used, agreed.kept, agreed.start, agreed.dropped
     if used.size < settings.fewest_views:
         raise DataError(
             f"only {used.size} of {len(views)} views agree; at least {settings.fewest_views} are needed",
@@ -154,10 +155,37 @@ def _start(problem: FreeBoards, image_size: tuple[int, int], guess: CameraModel 
     return best_start([first, *others], problem, kept, lambda rms: rms < limit)
 
 
+@dataclass(frozen=True, eq=False)
+class _Used:
+    """Numbers of the views used (v,), their corners kept (v, n), a start for them, and the views dropped."""
+
+    used: np.ndarray
+    kept: FloatArray
+    start: BoardPoses
+    dropped: list[DroppedView]
+
+
 def _without_outliers(
     problem: FreeBoards, start: BoardPoses, views: Sequence[BoardView], settings: SolveSettings
-) -> tuple[np.ndarray, FloatArray, BoardPoses, list[DroppedView]]:
-    """Return the views used, their corners kept, a start for them, and the views dropped."""
+) -> _Used:
+    """Leave out what does not belong; views are dropped only after a second look.
+
+    A view may be off because its pose started at the mirror image, or because another one bent the lens: it is
+    posed again with the lens of those that agree, and judged once more.
+    """
+    found = _judged(problem, start, views, settings)
+    if not found.dropped or found.used.size < settings.fewest_views:
+        return found
+    prior, held = light_prior(settings.light_prior), held_intrinsics(min(settings.coefficients))
+    agreed = fit(problem.taken(found.used), found.start, held, found.kept, prior=prior)
+    second = _judged(problem, fitted_poses(agreed.state.intrinsics, problem), views, settings)
+    return second if len(second.dropped) < len(found.dropped) else found
+
+
+def _judged(
+    problem: FreeBoards, start: BoardPoses, views: Sequence[BoardView], settings: SolveSettings
+) -> _Used:
+    """Leave out corners far off and views that lost many of them, refit, and judge again."""
     used, dropped = np.arange(len(views)), []
     kept = np.ones(problem.corners_image.shape[:2])
     largest, prior = max(settings.coefficients), light_prior(settings.light_prior)
@@ -171,7 +199,7 @@ def _without_outliers(
         used, kept, start = used[stay], found[stay], start.taken(stay)
         if is_settled or used.size < settings.fewest_views:
             break
-    return used, kept, start, dropped
+    return _Used(used, kept, start, dropped)
 
 
 def _refusal(
