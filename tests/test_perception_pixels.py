@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from fsm_calib.errors import DataError
+from fsm_calib.perception import chessboard
 from fsm_calib.perception.board_order import canonical_order, half_turned
 from fsm_calib.perception.chessboard import find_board, find_boards, inspect_board
 from fsm_calib.perception.corner_bias import curvature_bias
+from fsm_calib.perception.corner_grid import straightened
 from fsm_calib.perception.focus import read_focus
 from fsm_calib.perception.ground import floor_points, observe_tags
 from fsm_calib.perception.lane import observe_lane
@@ -72,6 +74,32 @@ PLACEMENTS = {
 def test_corners_are_within_a_tenth_of_a_pixel(name: str) -> None:
     placement = PLACEMENTS[name]
     view = find_board(photo(board_scene(placement)), BOARD)
+    assert view is not None
+    assert distance_of(view.corners_image, true_corners(placement)) < CORNER_BAR_PX
+
+
+def test_corners_that_stand_out_are_put_where_the_others_expect_them() -> None:
+    true = true_corners(PLACEMENTS["flat on the floor"])
+    shifted = true.copy()
+    shifted[[3, 16]] += [(0.4 * 21.0, 0.0), (0.0, -9.0)]
+    found = straightened(shifted, BOARD, 0.2)
+    assert found is not None
+    assert np.linalg.norm(found - true, axis=1).max() < 1.5
+    assert np.array_equal(np.delete(found, [3, 16], axis=0), np.delete(true, [3, 16], axis=0))
+    assert straightened(true, BOARD, 0.2) is None
+
+
+def test_a_corner_that_the_detector_put_a_third_of_a_square_off_does_not_lose_the_board(monkeypatch) -> None:
+    placement = PLACEMENTS["flat on the floor"]
+    image, rough = photo(board_scene(placement)), chessboard._rough_corners
+
+    def careless(*arguments):
+        corners = rough(*arguments)
+        corners[3] += 0.38 * (corners[3 + BOARD.columns] - corners[3])
+        return corners
+
+    monkeypatch.setattr(chessboard, "_rough_corners", careless)
+    view = find_board(image, BOARD)
     assert view is not None
     assert distance_of(view.corners_image, true_corners(placement)) < CORNER_BAR_PX
 

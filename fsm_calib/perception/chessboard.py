@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fsm_calib.perception.board_order import canonical_order
 from fsm_calib.perception.corner_bias import curvature_bias
+from fsm_calib.perception.corner_grid import straightened
 from fsm_calib.perception.corner_spacing import corner_clearances, corner_spacings, smallest_spacing
 from fsm_calib.types import BoardSpec, BoardView, FloatArray
 
@@ -35,6 +36,9 @@ class DetectorSettings:
         Bounds of the half-window [px]: 4 keeps enough gradient, beyond 9 the lens bends the edges inside it.
     largest_move_squares : float
         A corner that the search moved farther than this from the detector's start is lost [squares].
+    largest_stray_squares : float
+        A corner that is farther than this from where its neighbours expect it stands out [squares]; asked only
+        where a corner was lost.
     border_px : float
         A board with a corner nearer to the image's border is refused as not whole [px]: half the search
         window would be missing.
@@ -53,6 +57,7 @@ class DetectorSettings:
     smallest_window_px: int = 4
     largest_window_px: int = 9
     largest_move_squares: float = 0.3
+    largest_stray_squares: float = 0.2
     border_px: float = 5.0
     widest_edge_px: float = 6.0
     edge_of_spacing: float = 0.6
@@ -221,7 +226,21 @@ def _at_full_size(corners: NDArray, scale: float) -> FloatArray:
 def _refined(
     gray: Image, rough: FloatArray, board: BoardSpec, settings: DetectorSettings
 ) -> FloatArray | None:
-    """Return refined corners, or None when one of them ran away with every window tried."""
+    """Return refined corners, or None when one of them ran away with every window tried.
+
+    Where one ran away, the search begins once more from corners that their neighbours agree with.
+    """
+    corners = _refined_from(gray, rough, board, settings)
+    if corners is not None:
+        return corners
+    straight = straightened(rough, board, settings.largest_stray_squares)
+    return None if straight is None else _refined_from(gray, straight, board, settings)
+
+
+def _refined_from(
+    gray: Image, rough: FloatArray, board: BoardSpec, settings: DetectorSettings
+) -> FloatArray | None:
+    """Return the corners searched around `rough`, or None when one of them ran away with every window tried."""
     spacing = corner_spacings(rough, board)
     clearance = corner_clearances(rough, board)
     widest = np.floor(settings.window_of_spacing * clearance).astype(int)
