@@ -89,13 +89,16 @@ def test_corners_that_stand_out_are_put_where_the_others_expect_them() -> None:
     assert straightened(true, BOARD, 0.2) is None
 
 
-def test_a_corner_that_the_detector_put_a_third_of_a_square_off_does_not_lose_the_board(monkeypatch) -> None:
+@pytest.mark.parametrize(
+    ("other", "share"), [(4, 0.5), (10, 0.38), (10, 0.6)], ids=["along the row", "across it", "far across it"]
+)
+def test_one_corner_that_the_detector_misplaced_does_not_spoil_the_board(monkeypatch, other, share) -> None:
     placement = PLACEMENTS["flat on the floor"]
     image, rough = photo(board_scene(placement)), chessboard._rough_corners
 
     def careless(*arguments):
         corners = rough(*arguments)
-        corners[3] += 0.38 * (corners[3 + BOARD.columns] - corners[3])
+        corners[3] += share * (corners[other] - corners[3])
         return corners
 
     monkeypatch.setattr(chessboard, "_rough_corners", careless)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fsm_calib.perception.board_order import canonical_order
 from fsm_calib.perception.corner_bias import curvature_bias
-from fsm_calib.perception.corner_grid import straightened
+from fsm_calib.perception.corner_grid import straightened, unevenness
 from fsm_calib.perception.corner_spacing import corner_clearances, corner_spacings, smallest_spacing
 from fsm_calib.types import BoardSpec, BoardView, FloatArray
 
@@ -37,8 +37,7 @@ class DetectorSettings:
     largest_move_squares : float
         A corner that the search moved farther than this from the detector's start is lost [squares].
     largest_stray_squares : float
-        A corner that is farther than this from where its neighbours expect it stands out [squares]; asked only
-        where a corner was lost.
+        A corner that is farther than this from where its neighbours expect it stands out [squares].
     border_px : float
         A board with a corner nearer to the image's border is refused as not whole [px]: half the search
         window would be missing.
@@ -228,13 +227,17 @@ def _refined(
 ) -> FloatArray | None:
     """Return refined corners, or None when one of them ran away with every window tried.
 
-    Where one ran away, the search begins once more from corners that their neighbours agree with.
+    Where one ran away, or ended where its neighbours do not expect it, the search begins once more from corners that
+    they agree with; of two answers the one that is clearly smoother counts.
     """
     corners = _refined_from(gray, rough, board, settings)
-    if corners is not None:
+    straight = straightened(rough if corners is None else corners, board, settings.largest_stray_squares)
+    if straight is None:
         return corners
-    straight = straightened(rough, board, settings.largest_stray_squares)
-    return None if straight is None else _refined_from(gray, straight, board, settings)
+    again = _refined_from(gray, straight, board, settings)
+    if corners is None or again is None:
+        return corners if again is None else again
+    return again if 2.0 * unevenness(again, board).max() < unevenness(corners, board).max() else corners
 
 
 def _refined_from(

@@ -53,6 +53,13 @@ def expected_corners(corners: FloatArray, board: BoardSpec) -> FloatArray:
     return surface
 
 
+def unevenness(corners: FloatArray, board: BoardSpec, expected: FloatArray | None = None) -> FloatArray:
+    """Return how far each corner is from where the others expect it [distances to its nearest neighbour]."""
+    expected = expected_corners(corners, board) if expected is None else expected
+    spacing = np.maximum(corner_spacings(corners, board), _LEAST_SPACING)
+    return np.asarray(np.linalg.norm(corners - expected, axis=1) / spacing)
+
+
 def straightened(corners: FloatArray, board: BoardSpec, stray_squares: float) -> FloatArray | None:
     """Return the corners with those that stand out put where the others expect them; None where none or too many do.
 
@@ -66,8 +73,7 @@ def straightened(corners: FloatArray, board: BoardSpec, stray_squares: float) ->
         How far from its place a corner must be to stand out [distances to its nearest neighbour].
     """
     expected = expected_corners(corners, board)
-    limit = stray_squares * np.maximum(corner_spacings(corners, board), _LEAST_SPACING)
-    strays = np.linalg.norm(corners - expected, axis=1) > limit
+    strays = unevenness(corners, board, expected) > stray_squares
     if not 0 < np.count_nonzero(strays) <= _MOST_STRAYS * len(corners):
         return None
     return np.where(strays[:, None], expected, corners)
