@@ -14,6 +14,7 @@ from typer.testing import CliRunner, Result
 import fsm_calib
 from fsm_calib.cli import app
 from fsm_calib.perception.camera_files import read_intrinsics
+from fsm_calib.perception.chessboard import inspect_board
 from fsm_calib.perception.extrinsics import Extrinsics, calibrate_extrinsics
 from fsm_calib.perception.ground import tag_poses
 from fsm_calib.perception.tags import find_tags
@@ -135,6 +136,17 @@ def test_a_turned_tag_is_read_within_four_degrees_of_its_labels() -> None:
         turns.append(math.degrees(math.atan2(outward[0], -outward[2])))
     errors = np.array(turns) - labels
     assert np.ptp(errors) < 8.0
+
+
+def test_a_large_photo_is_measured_by_its_own_scale() -> None:
+    board, path = BoardSpec(9, 6, 0.025), photos("opencv-left", "left01.jpg")[0]
+    image = np.asarray(cv2.imread(str(path), cv2.IMREAD_GRAYSCALE), np.uint8)
+    large = np.asarray(cv2.resize(image, None, fx=5, fy=5, interpolation=cv2.INTER_CUBIC), np.uint8)
+    small, found = inspect_board(image, board), inspect_board(large, board)
+    assert small.view is not None
+    assert found.view is not None, found.refusal
+    off = (found.view.corners_image + 0.5) / 5.0 - 0.5 - small.view.corners_image
+    assert float(np.sqrt(np.mean(off**2))) < 0.1
 
 
 def test_too_few_photos_are_refused(drawn: list[Path]) -> None:

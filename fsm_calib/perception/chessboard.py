@@ -18,6 +18,7 @@ from fsm_calib.perception.board_order import canonical_order
 from fsm_calib.perception.corner_bias import curvature_bias
 from fsm_calib.perception.corner_grid import straightened, unevenness
 from fsm_calib.perception.corner_spacing import corner_clearances, corner_spacings, smallest_spacing
+from fsm_calib.perception.edges import edge_width, enlargement
 from fsm_calib.types import BoardSpec, BoardView, FloatArray
 
 Image = NDArray[np.uint8]
@@ -37,13 +38,18 @@ class DetectorSettings:
     largest_move_squares : float
         A corner that the search moved farther than this from the detector's start is lost [squares].
     largest_stray_squares : float
-        A corner that is farther than this from where its neighbours expect it stands out [squares].
+        A corner that is farther than this from where its neighbours expect it stands out [squares]; asked only
+        where a corner was lost.
+    largest_unevenness : float
+        The same for corners found on a second search [squares].
     border_px : float
         A board with a corner nearer to the image's border is refused as not whole [px]: half the search
         window would be missing.
     widest_edge_px : float
-        A board whose black-white edges are wider (10 to 90 %) is refused as blurred [px]. OpenCV advises 3
-        px; the position of a blurred corner stays unbiased, so the limit is where its noise has doubled.
+        A board whose black-white edges are wider (10 to 90 %) is refused as blurred [px in a 640 px wide image].
+        OpenCV advises 3; a blurred corner stays unbiased, so the limit is where its noise has doubled.
+    window_of_edge : float
+        The half-window takes in an edge of a large photo up to so many of its widths [1].
     edge_of_spacing : float
         The same limit in smallest corner spacings [1]: small squares run into each other sooner.
     largest_side_px : int
@@ -57,8 +63,10 @@ class DetectorSettings:
     largest_window_px: int = 9
     largest_move_squares: float = 0.3
     largest_stray_squares: float = 0.2
+    largest_unevenness: float = 0.15
     border_px: float = 5.0
     widest_edge_px: float = 6.0
+    window_of_edge: float = 2.0
     edge_of_spacing: float = 0.6
     largest_side_px: int = 1600
     most_boards: int = 8
@@ -158,8 +166,12 @@ def _judged(gray: Image, rough: FloatArray, board: BoardSpec, settings: Detector
         return BoardFinding(None, "the board reaches over the image's border")
     corners = canonical_order(corners, gray, board)
     width = edge_width(gray, corners, board)
-    limit = min(settings.widest_edge_px, settings.edge_of_spacing * smallest_spacing(corners, board))
-    limit = max(limit, 3.0)
+    share = settings.edge_of_spacing * smallest_spacing(corners, board)
+    limit = max(min(settings.widest_edge_px * enlargement(gray), share), 3.0)
+    wide = int(settings.window_of_edge * width) if width <= limit and enlargement(gray) > 1.0 else 0
+    if wide > settings.largest_window_px:  # the whole edge belongs in the window
+        wider = _refined_from(gray, corners, board, replace(settings, largest_window_px=wide))
+        corners = corners if wider is None else wider
     if width > limit:
         return BoardFinding(
             None, f"the board is blurred: edges {width:.1f} px wide, at most {limit:.1f} px", width
@@ -176,16 +188,6 @@ def board_size_in(image: Image) -> tuple[int, int] | None:
     small = gray if scale == 1.0 else cv2.resize(gray, None, fx=scale, fy=scale)
     found, _, whole = cv2.findChessboardCornersSBWithMeta(small, (3, 3), _ANY_SIZE)
     return (int(whole.shape[1]), int(whole.shape[0])) if found else None
-
-
-def edge_width(gray: Image, corners: FloatArray, board: BoardSpec) -> float:
-    """Return the mean width of the board's black-white edges, 10 to 90 % [px]; nan when it cannot be
-    measured.
-    """
-    grid = corners.astype(np.float32).reshape(-1, 1, 2)
-    figures = cv2.estimateChessboardSharpness(gray, (board.columns, board.rows), grid)[0]
-    width = float(np.ravel(figures)[0])
-    return width if width > 0.0 else float("nan")
 
 
 def _rough_corners(
@@ -227,17 +229,16 @@ def _refined(
 ) -> FloatArray | None:
     """Return refined corners, or None when one of them ran away with every window tried.
 
-    Where one ran away, or ended where its neighbours do not expect it, the search begins once more from corners that
-    they agree with; of two answers the one that is clearly smoother counts.
+    Where one ran away, the search begins once more from corners that their neighbours agree with, and so must those
+    that it ends at.
     """
     corners = _refined_from(gray, rough, board, settings)
-    straight = straightened(rough if corners is None else corners, board, settings.largest_stray_squares)
-    if straight is None:
+    if corners is not None:
         return corners
-    again = _refined_from(gray, straight, board, settings)
-    if corners is None or again is None:
-        return corners if again is None else again
-    return again if 2.0 * unevenness(again, board).max() < unevenness(corners, board).max() else corners
+    straight = straightened(rough, board, settings.largest_stray_squares)
+    again = None if straight is None else _refined_from(gray, straight, board, settings)
+    is_even = again is not None and bool(unevenness(again, board).max() <= settings.largest_unevenness)
+    return again if is_even else None
 
 
 def _refined_from(

@@ -92,9 +92,12 @@ def find_in_photos(
             views.append(replace(finding.view, source=str(path)))
             widths.append(finding.edge_width_px)
     if not views:
+        is_missing = "no whole board" in dropped[0].reason
         raise DataError(
             f"none of {len(paths)} photos shows a {board.columns}x{board.rows} board ({dropped[0].reason})",
-            cure="Count the inner corners: one less than the squares, in each direction.",
+            cure="Count the inner corners: one less than the squares, in each direction."
+            if is_missing
+            else "Take sharp, well lit photos with the whole board in them.",
         )
     return PhotoSet(tuple(views), tuple(dropped), sizes[0], tuple(widths))
 
