@@ -7,14 +7,15 @@ import pytest
 from diagnosis_robots import recording
 
 from fsm_calib.diagnosis.bank import Bank, Ranked, polished
-from fsm_calib.diagnosis.base import fit_base, noise_names
+from fsm_calib.diagnosis.base import fit_base, noise_names, slot_of
 from fsm_calib.diagnosis.contest import Contest, Linear, contest, switched_off
-from fsm_calib.diagnosis.fit import Engine
+from fsm_calib.diagnosis.fit import Engine, jacobian
 from fsm_calib.diagnosis.forms import RECIPES, forms, lagged
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.hypotheses import Hypothesis
 from fsm_calib.diagnosis.plausible import is_plausible
 from fsm_calib.diagnosis.prepared import prepare
+from fsm_calib.diagnosis.response import driven
 from fsm_calib.diagnosis.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
@@ -121,3 +122,39 @@ def test_a_prior_holds_a_number_that_the_data_do_not_know():
     _, _, score = model.solved()
     without = Linear(np.full(10, 1.0), column, np.array([0.0]), np.array([0.1]), 1e6).solved()[2]
     assert score == pytest.approx(without, abs=1e-3)
+
+
+def test_more_drive_in_the_command_is_more_gain():
+    simulator = make_simulator(prepare(recording(0)))
+    engine = Engine((simulator,))
+    base = fit_base(engine)
+    (gain,) = jacobian((simulator,), base.values, [slot_of("gain_left")], base.simulated)
+    held = np.searchsorted(simulator.drive.time, simulator.prepared.time - 1e-9, side="right") - 1
+    command = np.where(held >= 0, simulator.drive.left[np.maximum(held, 0)], 0.0)[:, None]
+    # commands change between events, so that shapes of the command are early or late by part of an interval there
+    column = driven(simulator, base.values[0], simulator.full_speed * command, np.zeros_like(command))
+    expected = base.values[0, parameter_table().place("gain_left")] * gain[:, :, 0]
+    travelled = np.cumsum(column[:, 0, 0]), np.cumsum(expected[:, 0])
+    assert np.abs(travelled[0] - travelled[1]).max() < 0.03 * np.abs(travelled[1]).max()
+
+
+def test_limits_of_the_command_do_not_hide_a_shape():
+    simulator = make_simulator(prepare(recording(0)))
+    values = fit_base(Engine((simulator,))).values[0]
+    limited = values.copy()
+    limited[parameter_table().place("command_saturation.limit")] = 0.1
+    shape = np.full((len(simulator.prepared.time), 1), 0.05)
+    assert np.array_equal(driven(simulator, limited, shape, shape), driven(simulator, values, shape, shape))
+
+
+def test_a_marker_without_its_name_is_no_push():
+    marker = {"turn": 0.12, "x": 0.15, "y": 0.0, "radius": 0.2}
+    engine, base, fit = fitted("external_push", **{f"misplaced_marker__{k}": v for k, v in marker.items()})
+    found = contest(engine, base, fit, ["external_push"])
+    assert found.misshapen(DEFAULT_GATES)
+    assert found.beside_quantities == ("the pose's jumps at a place",)
+
+
+def test_a_form_may_be_better_by_a_share_of_the_names_evidence():
+    assert Contest(9.0, (), -5.0, (), 100.0).replaceable(DEFAULT_GATES)
+    assert not Contest(9.0, (), -5.0, (), 1000.0).replaceable(DEFAULT_GATES)

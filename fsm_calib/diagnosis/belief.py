@@ -41,6 +41,5 @@ def _unnamed(model: Model, gates: Gates) -> list[float]:
     against = model.contest
     if against is None or not model.sound(gates):
         return []
-    instead = against.instead - max(against.beside, 0.0)
-    margins = (instead - gates.form_instead, against.beside - against.allowed(gates))
+    margins = (against.surplus(gates), against.beside - against.allowed(gates))
     return [0.5 * margin / FORM_TEMPER for margin in margins]

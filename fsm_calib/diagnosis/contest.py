@@ -10,7 +10,8 @@ but a free shape of the right quantity fits better than it does. So the named mo
 L [1] log-likelihood, g_k what k forms win, chosen one by one, largest score first; N innovations, P forms. The costs:
 c_k = k ln N + 2 (k - 1) ln P; ln N a number (Schwarz, Ann. Stat. 6 (1978) 461), 2 ln P a choice among P (Chen & Chen,
 Biometrika 95 (2008) 759); the first form pays for no choice, as the names pay nothing for theirs.
-Assumes that forms act linearly, which favours the name: its own equation is simulated in full.
+Assumes that forms act linearly, which favours the name: its own equation is simulated in full. Poses that jump where
+the robot crosses the edge of a disc (`scan_markers.py`) count as one more form beside the name.
 """
 
 from __future__ import annotations
@@ -25,9 +26,11 @@ from fsm_calib.diagnosis.forms import forms
 from fsm_calib.diagnosis.gates import Gates
 from fsm_calib.diagnosis.hypotheses import switched_off
 from fsm_calib.diagnosis.likelihood import robust_weights
+from fsm_calib.diagnosis.scan_markers import jump_evidence
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 
+JUMPS = "the pose's jumps at a place"
 MOST_INSTEAD = 5  # forms that may stand in for an effect
 MOST_BESIDE = 3
 SWEEPS = 3  # of reweighted least squares
@@ -63,9 +66,14 @@ class Contest:
         """Return whether forms add to the name what a right shape would not leave."""
         return self.beside > self.allowed(gates)
 
+    def surplus(self, gates: Gates) -> float:
+        """Return by how much forms are better without the name than they may be; what they add to it is no argument."""
+        allowed = max(gates.form_instead, gates.instead_share * self.explained)
+        return self.instead - max(self.beside, 0.0) - allowed
+
     def replaceable(self, gates: Gates) -> bool:
-        """Return whether forms do as well without the name; what they add to it is no argument against it."""
-        return self.instead - max(self.beside, 0.0) >= gates.form_instead
+        """Return whether forms do better without the name."""
+        return self.surplus(gates) >= 0.0
 
     def reason(self, gates: Gates, name: str) -> str:
         """Return in words why the name does not win."""
@@ -146,11 +154,22 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
     ]
     _, more = _climb(named, pool, MOST_BESIDE)
     beside = [2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(more)]
+    besides = _or_jumps(_best(beside, more, pool), engine, fit, effects)
     explained = 2.0 * (fit.score - parent.score) - (len(fit.slots) - base) * log_n
     loose = any(registry()[name].scan for name in effects) or any(
         s.prepared.recording.command is None for s in engine.simulators
     )
-    return Contest(*_best(instead, path, pool), *_best(beside, more, pool), explained, loose)
+    return Contest(*_best(instead, path, pool), *besides, explained, loose)
+
+
+def _or_jumps(
+    best: tuple[float, tuple[str, ...]], engine: Engine, fit: Fit, effects: Sequence[str]
+) -> tuple[float, tuple[str, ...]]:
+    """Return the best forms, or jumps of the measured pose at a place where these say more."""
+    if "misplaced_marker" in effects:  # its own edges are exact to a frame only
+        return best
+    jumps = jump_evidence([s.prepared for s in engine.simulators], fit.simulated, engine.count)
+    return (jumps, (JUMPS,)) if jumps > best[0] else best
 
 
 def _linear(engine: Engine, fit: Fit, residual: FloatArray, columns: FloatArray, count: int) -> Linear:

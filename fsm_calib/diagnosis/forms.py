@@ -1,10 +1,10 @@
 """Un-named corrections: what a speed error could depend on, in one physical quantity at a time, few numbers each.
 
 A named effect is a curve with one or two numbers. Whether it has the right shape is asked by letting shapes without a
-name compete with it (`contest.py`). Commands and forces reach the floor through the motors: their columns pass the
-base robot's lag, tau dv/dt = f - v, forward and turning each with its own time constant tau [s]; what the sensor adds
-(timing, mount) does not, and the wheels do not show it. Everything is a function of exogenous quantities
-(`situation.py`). The scales only keep the columns within a few orders of magnitude of each other.
+name compete with it (`contest.py`). What changes a wheel's speed is carried on by the roll-out (`response.py`); what
+acts on the body passes the base robot's lag, tau dv/dt = f - v, forward and turning each with its own time constant
+tau [s]; what the sensor adds (timing, mount) does not, and the wheels do not show it. Everything is a function of
+exogenous quantities (`situation.py`). The scales only keep the columns within a few orders of magnitude of each other.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ from numba import njit
 
 from fsm_calib.diagnosis.features import body_columns, hats
 from fsm_calib.diagnosis.fit import Engine, Fit
+from fsm_calib.diagnosis.response import driven
+from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.diagnosis.situation import Situation, situation
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
@@ -39,9 +41,14 @@ class Form:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One recording's situation with the base robot's lags [s], full speed [m/s] and the speeds' usual size."""
+    """One recording's situation with the base robot's lags [s], full speed [m/s] and the speeds' usual size.
+
+    simulator, values : what carries a wheel's speed error on to the poses; parameters (p,).
+    """
 
     s: Situation
+    simulator: Simulator
+    values: FloatArray
     lag_forward: float
     lag_turn: float
     full: float
@@ -55,9 +62,8 @@ class Frame:
         return (self.s.v - turn)[:, None], (self.s.v + turn)[:, None]
 
     def drive(self, left: FloatArray, right: FloatArray) -> FloatArray:
-        """Return columns of wheel speed errors (n, m) [m/s] ahead of the motors' lag."""
-        forward, turn = 0.5 * (left + right), 0.5 * (right - left) / self.s.half
-        return np.asarray(self.forward(forward) + self.turn(turn))
+        """Return columns of wheel speed errors (n, m) [m/s] ahead of the motors, carried on by the roll-out."""
+        return driven(self.simulator, self.values, left, right)
 
     def each(self, left: FloatArray, right: FloatArray) -> FloatArray:
         """Return the same with numbers of its own for each wheel."""
@@ -243,13 +249,16 @@ RECIPES: dict[str, Callable[[Frame], FloatArray]] = {
 def forms(engine: Engine, fit: Fit) -> list[Form]:
     """Return every un-named correction for the recordings of one robot, speeds simulated with `fit`."""
     situations = [situation(s, v) for s, v in zip(engine.simulators, fit.values, strict=True)]
-    frames = _frames(situations, fit, engine.simulators[0].full_speed)
+    frames = _frames(engine.simulators, situations, fit)
     return [Form(name, tuple(recipe(f) for f in frames)) for name, recipe in RECIPES.items()]
 
 
-def _frames(situations: Sequence[Situation], fit: Fit, full: float) -> list[Frame]:
-    table, values = parameter_table(), fit.values[0]
+def _frames(simulators: Sequence[Simulator], situations: Sequence[Situation], fit: Fit) -> list[Frame]:
+    table, values, full = parameter_table(), fit.values[0], simulators[0].full_speed
     forward, turn = (float(values[table.place(name)]) for name in ("tau_forward", "tau_turn"))
     speed = max(float(np.quantile(np.abs(s.v), 0.98)) for s in situations) or 0.1
     spin = max(float(np.quantile(np.abs(s.omega), 0.98)) for s in situations) or 0.1
-    return [Frame(s, forward, turn, full, speed, spin) for s in situations]
+    return [
+        Frame(s, simulator, own, forward, turn, full, speed, spin)
+        for s, simulator, own in zip(situations, simulators, fit.values, strict=True)
+    ]

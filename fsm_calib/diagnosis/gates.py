@@ -28,7 +28,8 @@ class Gates:
     floors always leave some).
 
     Unrivalled. rival : evidence gap below which two names are one set; form_instead : evidence by which forms without
-    a name may beat the name (`contest.py`); form_beside : evidence that they may add to it, or form_share of the
+    a name may beat the name (`contest.py`), or instead_share of the name's own, whichever is more (a form may be the
+    name's own law, a hair nearer to the truth); form_beside : evidence that they may add to it, or form_share of the
     name's own, whichever is more (an equation that is exact to a fifth of the effect leaves a 25th of its
     likelihood); loose_share : the same of places and moments, whose edges no equation draws exactly, and of robots
     with a controller of their own; ruling : share of the base's error below which forms have no say;
@@ -51,7 +52,8 @@ class Gates:
     dominant: float = 0.25
     ruling: float = 0.15
     least_confidence: float = 0.5
-    form_instead: float = 4.0
+    form_instead: float = 6.0
+    instead_share: float = 0.02
     form_beside: float = 10.0
     form_share: float = 0.04
     loose_share: float = 0.15

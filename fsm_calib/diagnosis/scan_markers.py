@@ -27,9 +27,11 @@ CENTRE_PITCH = 0.03  # m: a frame's travel
 RADII = np.arange(0.09, 0.40, 0.03)  # m: how far off a marker is still the one that is seen
 FINE = (0.015, 0.0075)  # m, by which the best discs are moved at the end
 LARGEST_JUMP = 12.0  # robust standard deviations: larger ones count as so many, a lone outlier is no marker
+SURE_JUMP = 6.0  # the same where one asks whether there is a marker at all
 SLACK = 1  # frames before and after a crossing that may be its own
 SHORTEST_STAY = 4  # frames: a shorter visit is an outlier's, or all edge
 FEWEST_JUMPS = 2  # entries and exits that a disc must have
+DISC_NUMBERS = 4  # turn, centre, radius
 KEPT = 3
 APART = 0.06  # m between the centres of two discs that are kept
 SMALLEST_SPREAD = np.array([1e-5, 1e-5, 1e-5])  # m, m, rad: of poses without noise
@@ -73,8 +75,11 @@ class Disc:
         return {f"misplaced_marker.{name}": value for name, value in numbers.items()}
 
 
-def jumps_of(prepared: Prepared, simulated: FloatArray) -> Jumps:
-    """Return what the poses of one recording moved beyond the simulated increments (n, 5)."""
+def jumps_of(prepared: Prepared, simulated: FloatArray, largest: float = LARGEST_JUMP) -> Jumps:
+    """Return what the poses of one recording moved beyond the simulated increments (n, 5).
+
+    largest : robust standard deviations that a jump may count for.
+    """
     p = prepared
     cos, sin = np.cos(p.reference[:, 2]), np.sin(p.reference[:, 2])
     off = np.column_stack([cos * p.y[:, 0] - sin * p.y[:, 1], sin * p.y[:, 0] + cos * p.y[:, 1], p.y[:, 2]])
@@ -94,7 +99,7 @@ def jumps_of(prepared: Prepared, simulated: FloatArray) -> Jumps:
     known = jump[np.isfinite(jump[:, 2])]
     spread = MAD_TO_SD * np.median(np.abs(known), axis=0) if len(known) else np.ones(3)
     spread = np.maximum(spread, SMALLEST_SPREAD)
-    return Jumps(p.reference[poses, :2], np.clip(jump, -LARGEST_JUMP * spread, LARGEST_JUMP * spread), spread)
+    return Jumps(p.reference[poses, :2], np.clip(jump, -largest * spread, largest * spread), spread)
 
 
 def likely_discs(jumps: Sequence[Jumps], shifted: bool) -> list[Disc]:
@@ -113,6 +118,19 @@ def likely_discs(jumps: Sequence[Jumps], shifted: bool) -> list[Disc]:
         if all(np.hypot(*(discs[i, :2] - disc[:2])) > APART for disc in found):
             found.append(discs[i])
     return sorted((_refined(frames, disc, shifted) for disc in found), key=lambda disc: -disc.promise)
+
+
+def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray], count: int) -> float:
+    """Return the evidence that poses jump at the edge of some disc, whatever the simulated increments (n, 5) explain.
+
+    2 g - 4 ln N - 2 ln D for the gain g of the best of D discs and `count` innovations N.
+    """
+    if not all(p.poses.placed for p in prepared):
+        return -np.inf
+    jumps = [jumps_of(p, s, SURE_JUMP) for p, s in zip(prepared, simulated, strict=True)]
+    best = max((disc.promise for disc in likely_discs(jumps, shifted=False)), default=0.0)
+    discs = len(_grid(np.vstack([j.place for j in jumps])))
+    return float(2.0 * best - DISC_NUMBERS * np.log(count) - 2.0 * np.log(discs))
 
 
 @dataclass(frozen=True, eq=False)
