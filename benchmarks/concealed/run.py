@@ -1,11 +1,15 @@
 """Diagnose every concealed robot, seal the verdicts, then open the key and print the table.
 
     python3 benchmarks/concealed/run.py OUT [--jobs 2] [--loo 60]
+    python3 benchmarks/concealed/run.py OUT --score             # open the key now: the table of what there is
 
 Resumable: a robot whose verdict is written is not diagnosed again. Order of events, each written before the next:
-key.sha256 (by generate.py), verdicts/*.json, verdicts.sha256, and only then the passphrase is read. The workers are
-handed OUT/robots alone. `--loo N` adds N runs with the robot's true effect taken out of the catalogue: their list is
-made after the plain verdicts are sealed, since it needs the key.
+key.sha256 (by generate.py), verdicts/*.json with their hashes in verdicts.sha256, and only then the passphrase is
+read. The workers are handed OUT/robots alone. `--loo N` adds N runs with an effect taken out of the catalogue: after
+every few robots, the name that one of them was given is left out. No key is needed for that: where the name was
+right, the true effect is missing, and only those runs are counted. When the key is open, robots whose true effect was
+not named are run without it, too, as many as their share asks for. Robots stand in an order that tells nothing, so
+that any part of the run is a fair sample.
 """
 
 from __future__ import annotations
@@ -22,7 +26,10 @@ from joblib import Parallel, delayed
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from concealed.generate import keystream
-from concealed.score import report
+from concealed.score import is_left_out, is_single, load, report, right
+
+TWINS = {name: ("command_delay", "observation_delay") for name in ("command_delay", "observation_delay")}
+"""Names that are left out together: without encoders nothing tells them apart."""
 
 
 def diagnose(folder: Path, out: Path, without: tuple[str, ...] = ()) -> str:
@@ -31,6 +38,7 @@ def diagnose(folder: Path, out: Path, without: tuple[str, ...] = ()) -> str:
 
     started = time.perf_counter()
     part = out.with_suffix(".part")
+    part.unlink(missing_ok=True)
     arguments = [
         "diagnose",
         str(folder / "run-a"),
@@ -61,23 +69,50 @@ def diagnose(folder: Path, out: Path, without: tuple[str, ...] = ()) -> str:
                 }
             )
         )
+    if without:
+        verdict = json.loads(part.read_text()) | {"without": list(without)}
+        part.write_text(json.dumps(verdict))
     part.rename(out)
     return out.name
 
 
-def all_verdicts(out: Path, jobs: int) -> None:
-    """Diagnose what is not yet diagnosed and record the hash of all verdicts."""
-    verdicts = out / "verdicts"
+def all_verdicts(out: Path, jobs: int, loo: int) -> None:
+    """Diagnose what is not yet diagnosed, block by block; seal each block; then leave one of its names out."""
+    verdicts, left_out = out / "verdicts", out / "verdicts-without"
     verdicts.mkdir(exist_ok=True)
-    todo = [p for p in sorted((out / "robots").iterdir()) if not (verdicts / f"{p.name}.json").exists()]
-    print(f"{len(todo)} robots to diagnose", file=sys.stderr)
-    Parallel(n_jobs=jobs, verbose=10)(delayed(diagnose)(p, verdicts / f"{p.name}.json") for p in todo)
-    digest = hashlib.sha256(b"".join(p.read_bytes() for p in sorted(verdicts.glob("*.json")))).hexdigest()
-    seal = out / "verdicts.sha256"
-    if not seal.exists():
-        seal.write_text(digest + "\n")
-    elif seal.read_text().strip() != digest:
-        raise SystemExit("the verdicts differ from those that were sealed: use a fresh folder")
+    left_out.mkdir(exist_ok=True)
+    robots = sorted((out / "robots").iterdir())
+    block = max(1, len(robots) // loo) if loo else 10 * jobs
+    for first in range(0, len(robots), block):
+        some = robots[first : first + block]
+        todo = [p for p in some if not (verdicts / f"{p.name}.json").exists()]
+        Parallel(n_jobs=jobs)(delayed(diagnose)(p, verdicts / f"{p.name}.json") for p in todo)
+        seal(out)
+        if loo:
+            leave_out_a_name(some, verdicts, left_out)
+        print(f"{first + len(some)} of {len(robots)} robots", file=sys.stderr, flush=True)
+
+
+def seal(out: Path) -> None:
+    """Write the hash of each verdict beside those that were written before; none of these may have changed."""
+    path = out / "verdicts.sha256"
+    sealed = dict(line.split()[::-1] for line in path.read_text().splitlines()) if path.exists() else {}
+    for verdict in sorted((out / "verdicts").glob("*.json")):
+        digest = hashlib.sha256(verdict.read_bytes()).hexdigest()
+        if sealed.setdefault(verdict.name, digest) != digest:
+            raise SystemExit(f"{verdict.name} differs from the verdict that was sealed: use a fresh folder")
+    path.write_text("".join(f"{digest}  {name}\n" for name, digest in sorted(sealed.items())))
+
+
+def leave_out_a_name(robots: list[Path], verdicts: Path, left_out: Path) -> None:
+    """Diagnose one of the robots again without the name that it was given, if any has a single name."""
+    if any((left_out / f"{p.name}.json").exists() for p in robots):
+        return
+    for robot in sorted(robots, key=lambda p: hashlib.sha256(p.name.encode()).hexdigest()):
+        named = json.loads((verdicts / f"{robot.name}.json").read_text())["effects"]
+        if len(named) == 1:
+            diagnose(robot, left_out / f"{robot.name}.json", TWINS.get(named[0]["name"], (named[0]["name"],)))
+            return
 
 
 def open_key(out: Path) -> list[dict]:
@@ -93,30 +128,24 @@ def open_key(out: Path) -> list[dict]:
     return json.loads(text)
 
 
-def leave_one_out(out: Path, key: list[dict], count: int, jobs: int) -> None:
-    """Diagnose again with the true effect (and its exact twin) taken out of the catalogue."""
+def leave_out_the_truth(out: Path, key: list[dict], jobs: int) -> None:
+    """Diagnose the robots whose true effect was not named without it, as many as their share asks for."""
     folder = out / "verdicts-without"
-    folder.mkdir(exist_ok=True)
-    single = [
-        k
-        for k in key
-        if k["label"] != "none"
-        and "+" not in k["label"]
-        and ":" not in k["label"]
-        and k["level"] != "faint"
-        and not k["poor"]
+    pairs = [
+        pair for pair in load(out / "verdicts", key) if is_single(pair[0]) and pair[0]["level"] != "faint"
     ]
-    twins = {
-        "command_delay": ("command_delay", "observation_delay"),
-        "observation_delay": ("command_delay", "observation_delay"),
-    }
-    chosen = sorted(single, key=lambda k: hashlib.sha256(k["name"].encode()).hexdigest())[:count]
-    todo = [k for k in chosen if not (folder / f"{k['name']}.json").exists()]
-    Parallel(n_jobs=jobs, verbose=10)(
+    missed = [line for line, verdict in pairs if not right((line, verdict))]
+    done = {line["name"] for line, verdict in load(folder, key) if is_left_out((line, verdict))}
+    counted = len(done - {line["name"] for line in missed})
+    wanted = round(counted * len(missed) / max(len(pairs) - len(missed), 1))
+    Parallel(n_jobs=jobs)(
         delayed(diagnose)(
-            out / "robots" / k["name"], folder / f"{k['name']}.json", twins.get(k["label"], (k["label"],))
+            out / "robots" / line["name"],
+            folder / f"{line['name']}.json",
+            TWINS.get(line["label"], (line["label"],)),
         )
-        for k in todo
+        for line in missed[:wanted]
+        if line["name"] not in done
     )
 
 
@@ -125,11 +154,14 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--loo", type=int, default=0)
+    parser.add_argument("--score", action="store_true", help="diagnose nothing more")
     a = parser.parse_args()
-    all_verdicts(a.out, a.jobs)
+    if not a.score:
+        all_verdicts(a.out, a.jobs, a.loo)
+    seal(a.out)
     key = open_key(a.out)
-    if a.loo:
-        leave_one_out(a.out, key, a.loo, a.jobs)
+    if a.loo and not a.score:
+        leave_out_the_truth(a.out, key, a.jobs)
     text = report(a.out, key)
     (a.out / "table.md").write_text(text)
     print(text)

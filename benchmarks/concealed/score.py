@@ -66,6 +66,16 @@ def is_single(line: dict) -> bool:
     return line["label"] != "none" and not {"+", ":"} & set(line["label"]) and not line["poor"]
 
 
+def is_left_out(pair: Pair) -> bool:
+    """True for a run without the true effect of a robot that was driven well enough to tell."""
+    line, verdict = pair
+    return (
+        is_single(line)
+        and line["level"] != "faint"
+        and line["label"] in verdict.get("without", [line["label"]])
+    )
+
+
 def name_rows(single: list[Pair]) -> Iterator[Row]:
     """Who was named right, wrong or not at all, by level."""
     for level in LEVELS:
@@ -195,7 +205,7 @@ def report(out: Path, key: list[dict]) -> str:
     single = [(k, v) for k, v in pairs if is_single(k)]
     rows = [*name_rows(single), *control_rows(pairs, single), *proof_rows(pairs), *number_rows(single)]
     rows += [*confidence_rows(pairs)]
-    if without := load(out / "verdicts-without", key):
+    if without := list(filter(is_left_out, load(out / "verdicts-without", key))):
         named = share_of(lambda pair: bool(first_names(pair[1])), without)
         rows.append(("leave-one-out: a confident wrong name", named, "<= 8 %"))
     rows += [*time_rows(pairs)]
