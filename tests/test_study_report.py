@@ -107,6 +107,16 @@ def test_a_variant_is_compared_with_the_same_robots():
     assert found[0].added.count == 5
 
 
+def test_what_ended_a_robot_of_a_variant_is_told_beside_the_variant(tmp_path):
+    failed = row(0, "published:equation_3") | {"test_2": automatic(0.5, 0.1, 0.007, "failed")}
+    found = summary(extra=[failed], corrections=["equation_3"])
+    assert found.failures == {}
+    assert found.variants[0].failures == {"test 2: marker_missing": 1}
+    page = tmp_path / "study.md"
+    write_page(page, found, tmp_path, "fsm-calib study x.yaml")
+    assert "| published:equation_3 | test 2: marker missing | 1 |" in page.read_text()
+
+
 def test_the_same_rows_in_any_order_give_the_same_summary():
     rows = [row(robot) for robot in range(20)]
     first, second = summarise(study(), rows), summarise(study(), rows[::-1])

@@ -204,11 +204,17 @@ def _finished(item: DeviationFigures) -> str:
 
 
 def _failures(summary: Summary) -> Iterable[Block]:
-    if not summary.failures:
+    if summary.failures:
+        yield Table(("failure", "robots"), _counted(summary.failures))
+    else:
         yield Paragraph(f"None in {summary.robots} robots.")
-        return
-    rows = [(name.replace("_", " "), str(count)) for name, count in summary.failures.items()]
-    yield Table(("failure", "robots"), rows)
+    changed = [(item.variant.name, *row) for item in summary.variants for row in _counted(item.failures)]
+    if changed:
+        yield Table(("with a change", "failure", "robots"), changed)
+
+
+def _counted(failures: Mapping[str, int]) -> list[tuple[str, str]]:
+    return [(name.replace("_", " "), str(count)) for name, count in failures.items()]
 
 
 def _cost(summary: Summary, costs: Sequence[CommandCost]) -> Iterable[Block]:

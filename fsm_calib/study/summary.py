@@ -61,7 +61,7 @@ class Relation:
 
 @dataclass(frozen=True, slots=True)
 class VariantFigures:
-    """One variant beside the base on the same robots: deviations, what is added to their size [m], cost."""
+    """One variant beside the base on the same robots: deviations, what is added to their size [m], cost, failures."""
 
     variant: Variant
     deviation: DeviationFigures
@@ -69,6 +69,7 @@ class VariantFigures:
     iterations: Estimate
     simulated: Estimate
     base_deviation: DeviationFigures
+    failures: Mapping[str, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,6 +214,7 @@ def _variants(study: Study, rows: list[Row], rng: np.random.Generator) -> Iterab
             estimate(found.value("test_2", "wheels", "iterations"), median_of, rng),
             estimate(found.value("test_2", "seconds", "simulated"), median_of, rng),
             deviation_figures(before, rng),
+            failures(found),
         )
 
 
