@@ -10,9 +10,11 @@ from fsm_calib.types import STOP, Pose2, WheelCommand
 from fsm_calib.world2d import motion
 from fsm_calib.world2d.body import RobotBody
 from fsm_calib.world2d.clearance import MARGIN, OUTLINE_REACH, free_room
+from fsm_calib.world2d.deviation import straight_track
 from fsm_calib.world2d.obstacles import make_space, robot_outline
 from fsm_calib.world2d.parameters import null_parameters
 from fsm_calib.world2d.robot import World, make_world
+from fsm_calib.world2d.rollout import Drive, simulate
 from fsm_calib.world2d.spec import WorldSpec
 
 
@@ -53,3 +55,9 @@ def test_room_is_measured_from_the_outline_to_the_nearest_shape_and_not_to_the_r
     space.add(robot_outline(robot.body))
     space.add(pymunk.Segment(space.static_body, (1.0, -1.0), (1.0, 1.0), 0.01))
     assert free_room(space, (0.2, 0.0)) == pytest.approx(0.79 - OUTLINE_REACH - MARGIN)
+
+
+def test_a_test_drive_in_the_world_is_that_of_the_rollout():
+    track = straight_track(null_parameters(), (0.23, 0.24), 3.0)
+    drive, times = Drive([0.0], [0.23], [0.24]), np.linspace(0.0, 3.0, 1501)
+    assert np.abs(track - simulate(null_parameters(), drive, times, (0, 0, 0), dt=0.002)[:, :3]).max() < 1e-9

@@ -16,11 +16,13 @@ from fsm_calib.perception.calibration import FitFigures
 from fsm_calib.perception.prediction import projection_difference
 from fsm_calib.runner.session import Session
 from fsm_calib.types import CameraModel, FloatArray, WheelCalibration
-from fsm_calib.world2d.deviation import TEST_COMMAND, TEST_DISTANCE, straight_deviation
-from fsm_calib.world2d.rollout import WORLD_STEP, Drive, simulate
+from fsm_calib.world2d.deviation import TEST_COMMAND, TEST_DISTANCE, straight_deviation, straight_track
 
 SLOW = 0.05
 """Speed that a test drive is expected to reach at least [m/s]; it bounds the drive that is drawn."""
+
+DRAWN_EVERY = 10
+"""Every tenth pose of a test drive is drawn: 0.02 s apart."""
 
 
 def result_of(session: Session, wall: float, by_part: dict[str, float]) -> dict[str, Any]:
@@ -166,9 +168,9 @@ def test_drives(session: Session) -> dict[str, FloatArray]:
 
 def test_path(parameters: FloatArray, ratio: float) -> FloatArray:
     """Return the path of a 2 m drive with wheel ratio `ratio`, shape (n, 2) [m]."""
-    drive = Drive(np.array([0.0]), np.array([TEST_COMMAND]), np.array([ratio * TEST_COMMAND]))
-    times = np.arange(0.0, TEST_DISTANCE / SLOW, 0.02)
-    track = simulate(parameters, drive, times, (0.0, 0.0, 0.0), dt=WORLD_STEP)[:, :2]
+    track = straight_track(parameters, (TEST_COMMAND, ratio * TEST_COMMAND), TEST_DISTANCE / SLOW)[
+        ::DRAWN_EVERY, :2
+    ]
     driven = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(track, axis=0), axis=1))])
     return track[driven <= TEST_DISTANCE]
 

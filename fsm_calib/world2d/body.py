@@ -115,8 +115,8 @@ class RobotBody:
         self._on = active_flags(self._parameters)
         self._kernel = kernel(bare=not self._on.any())
         self._kernel.begin(self._parameters, self._on, self._bench)
-        self._delay = float(self._kernel.delay(self._parameters, self._on))
         is_plain = not self._on.any()
+        self._delay = 0.0 if is_plain else float(self._kernel.delay(self._parameters, self._on))
         if self._is_plain and not is_plain:
             self._history = deque([(-math.inf, self._hold[0], self._hold[1])])  # what acted until now
         self._is_plain = is_plain

@@ -10,9 +10,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pymunk
 
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.body import RobotBody
 from fsm_calib.world2d.rollout import WORLD_STEP, Drive, simulate
 
 TEST_DISTANCE = 2.0
@@ -50,16 +52,31 @@ def straight_deviation(
     for name, value in (("wheel_ratio", wheel_ratio), ("distance", distance), ("command", command)):
         if not (math.isfinite(value) and value > 0.0):
             raise InputError(f"{name} is {value:g}", where="deviation", cure="Give a positive number.")
-    drive = Drive(np.array([0.0]), np.array([command]), np.array([wheel_ratio * command]))
     duration = 2.0
     while duration <= distance / _SLOWEST:
-        times = np.linspace(0.0, duration, round(duration / WORLD_STEP) + 1)
-        track = simulate(parameters, drive, times, (0.0, 0.0, 0.0), dt=WORLD_STEP)
+        track = straight_track(parameters, (command, wheel_ratio * command), duration)
         path = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(track[:, 0]), np.diff(track[:, 1])))])
         if path[-1] >= distance:
             return -float(np.interp(distance, path, track[:, 1]))
         duration *= 2.0
     raise DataError("the robot does not drive the test distance", cure="Check its motors and the command.")
+
+
+def straight_track(parameters: FloatArray, command: tuple[float, float], duration: float) -> FloatArray:
+    """Return the poses of a robot that starts at rest and holds `command` (left, right) [1], one every
+    `WORLD_STEP`, shape (n, 3): x, y [m], theta [rad].
+
+    A robot without effects drives as the world's body does, in a space without anything to touch: what a run has
+    compiled serves here, too.
+    """
+    count = round(duration / WORLD_STEP)
+    body = RobotBody(pymunk.Space(), parameters)
+    if body.is_plain:
+        poses = body.ride_free(np.tile(command, (count, 1)), WORLD_STEP, math.inf)
+        return np.vstack([np.zeros(3), poses])
+    drive = Drive(np.array([0.0]), *np.array(command)[:, None])
+    times = np.linspace(0.0, count * WORLD_STEP, count + 1)
+    return simulate(parameters, drive, times, (0.0, 0.0, 0.0), dt=WORLD_STEP)[:, :3]
 
 
 def small_deviation(mismatch: float, axle_length: float, distance: float = TEST_DISTANCE) -> float:
