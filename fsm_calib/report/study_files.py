@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import textwrap
 from collections.abc import Mapping
 from dataclasses import asdict, fields
 from importlib.resources import files
@@ -27,6 +28,8 @@ REPORT_NAME = "report.html"
 SUMMARY_NAME = "study.json"
 DOTS_PER_INCH = 100
 """Resolution of the figures beside a Markdown page."""
+LINE_WIDTH = 118
+"""Longest line of text in a Markdown page [characters]."""
 
 
 def write_study(directory: Path, summary: Summary) -> Content:
@@ -98,7 +101,7 @@ def _section(content: Content, name: str, folder: Path, command: str) -> str:
 
 def _markdown(block: Block, name: str, folder: Path) -> str:
     if isinstance(block, Paragraph):
-        return block.text
+        return textwrap.fill(block.text, LINE_WIDTH, break_long_words=False, break_on_hyphens=False)
     if isinstance(block, Table):
         return markdown_table(block)
     path = folder / f"{name}_{block.name}.png"
