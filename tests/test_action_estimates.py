@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -16,6 +17,7 @@ from fsm_calib.actions.refining import judge, judge_refinement
 from fsm_calib.actions.settings import DriveSettings, RatioSettings, TurnSettings
 from fsm_calib.actions.wheel_runs import path_length, update_ratio
 from fsm_calib.errors import InputError, UnknownNameError
+from fsm_calib.journal import encode
 from fsm_calib.types import BoardView, CameraModel, Pose2, TagObservation
 
 SD = math.radians(0.1)
@@ -289,3 +291,12 @@ def test_every_declared_activity_has_its_action():
     from fsm_calib.machines.activities import CONTRACT
 
     assert set(ACTIVITIES) == set(CONTRACT)
+
+
+def test_a_notebook_comes_back_from_its_checkpoint_with_every_reading_exact():
+    near, far = TagObservation(3, 0.1, -0.2, 1.0 / 3.0, 0.4, 0.5), TagObservation(4, 0.3, 0.2, -0.1, 0.7)
+    reading = MarkerReading((near, far), 1.0 / 3.0, 1.5)
+    notebook = Notebook(readings=[reading, MarkerReading((far,), 0.1, 2.0)], reading=reading)
+    back = Notebook.from_state(json.loads(encode(notebook.to_state())))
+    assert back.readings == notebook.readings
+    assert back.reading == reading

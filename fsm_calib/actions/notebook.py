@@ -19,6 +19,8 @@ from fsm_calib.actions.notebook_state import (
     pack,
     progress_from,
     progress_state,
+    tags_from,
+    tags_state,
     unpack,
     view_from,
     view_state,
@@ -39,11 +41,14 @@ class MarkerReading:
     heading: float
     time: float
 
+    def to_state(self) -> dict[str, Any]:
+        """Return the reading as plain JSON values."""
+        return {"tags": tags_state(self.tags), "heading": self.heading, "time": self.time}
+
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> MarkerReading:
-        """Return the reading that `asdict` wrote."""
-        tags = tuple(TagObservation(**item) for item in data["tags"])
-        return cls(tags, data["heading"], data["time"])
+    def from_state(cls, data: Mapping[str, Any]) -> MarkerReading:
+        """Return the reading that `to_state` wrote."""
+        return cls(tags_from(data["tags"]), data["heading"], data["time"])
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,10 +210,13 @@ class Notebook:
         """Return the notebook as plain JSON values."""
         state = {item.name: getattr(self, item.name) for item in fields(self)}
         state["figures"] = asdict(self.figures) if self.figures is not None else None
-        for name in ("mount", "reading", "last_step"):
+        state["reading"] = None if self.reading is None else self.reading.to_state()
+        for name in ("mount", "last_step"):
             state[name] = _record(state[name]) if state[name] is not None else None
-        for name in ("runs", "lane_runs", "readings", "lane_readings"):
+        for name in ("runs", "lane_runs"):
             state[name] = [_record(item) for item in state[name]]
+        for name in ("readings", "lane_readings"):
+            state[name] = [item.to_state() for item in state[name]]
         state["marker_map"] = {str(number): [p.x, p.y, p.theta] for number, p in self.marker_map.items()}
         state["views"] = [view_state(view) for view in self.views]
         state["progress"] = progress_state(self.progress)
@@ -231,14 +239,14 @@ class Notebook:
         for name in ("runs", "lane_runs"):
             values[name] = [WheelRun(**run) for run in values[name]]
         for name in ("readings", "lane_readings"):
-            values[name] = [MarkerReading.from_dict(item) for item in values[name]]
+            values[name] = [MarkerReading.from_state(item) for item in values[name]]
         values["marker_map"] = {int(number): Pose2(*pose) for number, pose in values["marker_map"].items()}
-        values["reading"] = MarkerReading.from_dict(values["reading"]) if values["reading"] else None
+        values["reading"] = MarkerReading.from_state(values["reading"]) if values["reading"] else None
         values["panorama"] = unpack(values["panorama"])
         return cls(**values)
 
 
 @lru_cache(maxsize=4096)
-def _record(item: WheelRun | MarkerReading | CameraMount | Pose2) -> dict[str, Any]:
+def _record(item: WheelRun | CameraMount | Pose2) -> dict[str, Any]:
     """Return a frozen record as plain values; kept, because a checkpoint after every event asks again."""
     return asdict(item)

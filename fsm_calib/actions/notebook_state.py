@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Mapping
+from dataclasses import astuple
 from functools import lru_cache
 from typing import Any
 
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.perception.information import ScanProgress, rebuild_scan
-from fsm_calib.types import BoardView, CameraModel
+from fsm_calib.types import BoardView, CameraModel, TagObservation
 
 
 @lru_cache(maxsize=1024)
@@ -24,6 +25,17 @@ def view_state(view: BoardView) -> dict[str, Any]:
 def view_from(state: Mapping[str, Any]) -> BoardView:
     """Return the view that `view_state` wrote."""
     return BoardView(unpack(state["corners"]), state["board"], state["source"])
+
+
+@lru_cache(maxsize=1024)
+def tags_state(tags: tuple[TagObservation, ...]) -> dict[str, Any] | None:
+    """Return measured markers as plain values, a row of numbers each; kept like `view_state`'s."""
+    return pack(np.array([astuple(tag) for tag in tags], dtype=float))
+
+
+def tags_from(state: Mapping[str, Any]) -> tuple[TagObservation, ...]:
+    """Return the markers that `tags_state` wrote."""
+    return tuple(TagObservation(int(number), *rest) for number, *rest in unpack(state).tolist())
 
 
 @lru_cache(maxsize=4)
