@@ -73,6 +73,7 @@ EFFECT = Effect(
             0.15,
             "2 to 10 degrees at the wheel",
             starts=(0.02, 0.05, 0.12, 0.25),
+            step=8e-3,  # rugged below: teeth touch within a step of the roll-out, or not
         ),
         Parameter(
             "encoder_side",
@@ -98,7 +99,7 @@ EFFECT = Effect(
             "the motors' part of the rotating inertia, rest on the wheels",
             strength=False,
             starts=(0.15, 0.7),
-            step=5e-3,
+            step=5e-2,
         ),
     ),
     hooks={"step": cross_gap},
