@@ -156,5 +156,5 @@ def test_a_marker_without_its_name_is_no_push():
 
 
 def test_a_form_may_be_better_by_a_share_of_the_names_evidence():
-    assert Contest(9.0, (), -5.0, (), 100.0).replaceable(DEFAULT_GATES)
-    assert not Contest(9.0, (), -5.0, (), 1000.0).replaceable(DEFAULT_GATES)
+    assert Contest(12.0, (), -5.0, (), 100.0).replaceable(DEFAULT_GATES)
+    assert not Contest(12.0, (), -5.0, (), 1000.0).replaceable(DEFAULT_GATES)
