@@ -122,6 +122,16 @@ def test_the_pose_that_fits_is_found_from_the_mirror_image_too() -> None:
     np.testing.assert_allclose(found.shift[0], BORDER_POSE[1], atol=2e-3)
 
 
+def test_a_start_is_found_where_the_plane_based_one_is_no_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    corners = np.stack([view.corners_image for view in hand_held(4, 0.05)])
+    wanted = start_poses(TRUTH, corners, BOARD.points_board())
+    nothing = (2, [np.full((3, 1), np.nan)] * 2, [np.full((3, 1), np.nan)] * 2, None)
+    monkeypatch.setattr(cv2, "solvePnPGeneric", lambda *_, **__: nothing)
+    found = start_poses(TRUTH, corners, BOARD.points_board())
+    np.testing.assert_allclose(found.shift, wanted.shift, atol=3e-3)
+    np.testing.assert_allclose(found.rotation, wanted.rotation, atol=0.02)
+
+
 def test_a_wrong_corner_is_left_out_and_its_view_kept() -> None:
     views = hand_held(14, 0.1)
     corners = views[3].corners_image.copy()

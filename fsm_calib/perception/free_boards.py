@@ -92,11 +92,7 @@ def start_poses(
     """
     rotations, shifts = [], []
     for corners in corners_image:
-        rays = np.ascontiguousarray(unproject(intrinsics, corners))
-        _, turns, centres, _ = cv2.solvePnPGeneric(
-            points_board, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE
-        )
-        turn, shift = _in_front(turns, centres, choice)
+        turn, shift = _in_front(*_plane_poses(points_board, unproject(intrinsics, corners)), choice)
         rotations.append(rotation_from_vector(turn))
         shifts.append(shift)
     return BoardPoses(np.array(intrinsics, dtype=float), np.array(rotations), np.array(shifts))
@@ -118,6 +114,21 @@ def fitted_poses(intrinsics: FloatArray, problem: FreeBoards) -> BoardPoses:
     is_mirrored = (off[1] < off[0])[:, None]
     rotation = np.where(is_mirrored[:, None], second.rotation, first.rotation)
     return replace(first, rotation=rotation, shift=np.where(is_mirrored, second.shift, first.shift))
+
+
+def _plane_poses(points_board: FloatArray, rays: FloatArray) -> tuple[Sequence, Sequence]:
+    """Return rotation vectors and centres of the poses that a plane has, better first.
+
+    The plane-based solution takes the root of a difference that rounding can make negative, and is then no number;
+    the iterative one has no such place.
+    """
+    rays = np.ascontiguousarray(rays)
+    _, turns, centres, _ = cv2.solvePnPGeneric(points_board, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE)
+    found = [i for i in range(len(turns)) if np.isfinite(turns[i]).all() and np.isfinite(centres[i]).all()]
+    if found:
+        return [turns[i] for i in found], [centres[i] for i in found]
+    _, turn, centre = cv2.solvePnP(points_board, rays, np.eye(3), None, flags=cv2.SOLVEPNP_ITERATIVE)
+    return [turn], [centre]
 
 
 def _in_front(turns: Sequence, shifts: Sequence, choice: int) -> tuple[FloatArray, FloatArray]:
