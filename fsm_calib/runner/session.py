@@ -98,7 +98,8 @@ def _session(
     """Build the run; `state` is the checkpoint to go on from."""
     spec = world_of(scenario)
     limits, settings = limits_of(scenario, spec.scene), actions_of(scenario, spec.scene)
-    world = make_world(spec)
+    with parts.part("compiling"):
+        world = make_world(spec)
     frames = state["frames"] if state else 0
     robot = LoggedRobot(world.robot, parts, frames)
     run = Run(

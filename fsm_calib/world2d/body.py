@@ -97,6 +97,9 @@ class RobotBody:
         self.set_parameters(parameters)
         self.body = self._make_body(pose)
         space.add(self.body)
+        self._make_steps(
+            np.zeros((0, 2)), LARGEST_STEP, np.zeros((0, 3))
+        )  # loads or compiles it before time runs
 
     def _make_body(self, pose: Pose2) -> pymunk.Body:
         """Return a resting pymunk body at the pose."""
@@ -183,9 +186,7 @@ class RobotBody:
             raise InputError(f"the wheel command is {command}, expected finite numbers")
         self._read_body()
         self._hold[0], self._hold[1] = self._mean_command(command, dt)
-        self._kernel.ride(
-            self._parameters, self._on, self._state, self._bench, self._ride, self._held, dt, self._end
-        )
+        self._make_steps(self._held, dt, self._end)
         self._push_body()
         self.space.step(dt)
 
@@ -204,17 +205,22 @@ class RobotBody:
         begin = self._read_body()
         state, bench = self._state.copy(), self._bench.copy()
         poses = np.empty((len(commands), 3))
-        common = self._parameters, self._on, self._state, self._bench, self._ride
-        self._kernel.ride(*common, commands, dt, poses)
+        self._make_steps(commands, dt, poses)
         away = np.hypot(poses[:, 0] - begin[0], poses[:, 1] - begin[1]) > room
         if away.any():
             self._state[:], self._bench[:] = state, bench
             self._read_body()
             poses = poses[: int(np.argmax(away))]
-            self._kernel.ride(*common, commands[: len(poses)], dt, poses)
+            self._make_steps(commands[: len(poses)], dt, poses)
         self._held[0] = commands[len(poses) - 1]
         self._move_body()
         return poses
+
+    def _make_steps(self, commands: FloatArray, dt: float, poses: FloatArray) -> None:
+        """Make a compiled step of `dt` [s] for each row of commands (n, 2) [1]; fill the poses (n, 3)."""
+        self._kernel.ride(
+            self._parameters, self._on, self._state, self._bench, self._ride, commands, dt, poses
+        )
 
     def _mean_command(self, command: WheelCommand, dt: float) -> tuple[float, float]:
         """Return the shaped commands that act in this step, late by the delay, averaged over the step."""
