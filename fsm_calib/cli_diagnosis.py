@@ -94,15 +94,16 @@ def _refuse_wrong_use(without: Iterable[str], files: Iterable[Path | None], repo
 
 def _write_world(result: Diagnosis, world: Path | None, report: Path | None) -> None:
     """Write the improved world to its own file, and with the page into the report's folder; None for neither."""
-    from fsm_calib.report.diagnosis_report import write_report
-    from fsm_calib.report.diagnosis_world import world_text
-
     if world is None and report is None:
         return
+    from fsm_calib.report.diagnosis_world import world_text
+
     text = world_text(result)
     if world is not None:
         write_file(world, text)
     if report is not None:
+        from fsm_calib.report.diagnosis_report import write_report
+
         report.mkdir(parents=True, exist_ok=True)
         write_file(report / "world.yaml", text)
         typer.echo(f"report: {write_report(result, report)}")

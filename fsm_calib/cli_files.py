@@ -56,10 +56,15 @@ def write_file(path: Path, text: str) -> None:
 
 def tell_result(plain: Mapping[str, Any], words: str, json_file: Path | None) -> None:
     """Print a result in words and write it as JSON; with `-` for the file print the JSON instead."""
+    if json_file is None:
+        typer.echo(words)
+        return
     text = json.dumps(plain, indent=1, allow_nan=False)
-    typer.echo(text if json_file == STANDARD_OUTPUT else words)
-    if json_file is not None and json_file != STANDARD_OUTPUT:
-        write_file(json_file, text + "\n")
+    if json_file == STANDARD_OUTPUT:
+        typer.echo(text)
+        return
+    typer.echo(words)
+    write_file(json_file, text + "\n")
 
 
 def print_findings(recordings: Iterable[Recording]) -> None:

@@ -17,9 +17,8 @@ def time_line(record: RunRecord) -> str:
     margins = Margins(left=0.2 + LETTER * max(map(len, rows)))
     with figure(9.0, 0.8 + ROW * max(len(rows), 3), margins) as fig:
         axes = fig.add_subplot()
-        beside = (
-            axes.get_yaxis_transform()
-        )  # x in axes, y in rows: a text is drawn in a tenth of a tick's time
+        # x in axes, y in rows: a text is drawn in a tenth of a tick's time
+        beside = axes.get_yaxis_transform()
         for number, path in enumerate(rows):
             colour = PHASE_COLOURS.get(path.split("/")[0], "#555555")
             stays = [(begin, max(end - begin, 0.05)) for where, begin, end in record.spans if where == path]

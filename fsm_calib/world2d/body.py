@@ -97,9 +97,8 @@ class RobotBody:
         self.set_parameters(parameters)
         self.body = self._make_body(pose)
         space.add(self.body)
-        self._make_steps(
-            np.zeros((0, 2)), LARGEST_STEP, np.zeros((0, 3))
-        )  # loads or compiles it before time runs
+        # no step: the program is loaded or compiled before time runs
+        self._make_steps(np.zeros((0, 2)), LARGEST_STEP, np.zeros((0, 3)))
 
     def _make_body(self, pose: Pose2) -> pymunk.Body:
         """Return a resting pymunk body at the pose."""
