@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
 from fsm_calib.perception.bundle import Linearized, corner_distances, fit
 from fsm_calib.perception.lens import project, project_with_derivatives, unproject
+from fsm_calib.perception.plane_poses import plane_poses
 from fsm_calib.perception.rotations import rotation_from_vector, skew
 from fsm_calib.types import FloatArray
 
@@ -92,7 +92,7 @@ def start_poses(
     """
     rotations, shifts = [], []
     for corners in corners_image:
-        turn, shift = _in_front(*_plane_poses(points_board, unproject(intrinsics, corners)), choice)
+        turn, shift = _in_front(plane_poses(points_board, unproject(intrinsics, corners)), choice)
         rotations.append(rotation_from_vector(turn))
         shifts.append(shift)
     return BoardPoses(np.array(intrinsics, dtype=float), np.array(rotations), np.array(shifts))
@@ -116,26 +116,11 @@ def fitted_poses(intrinsics: FloatArray, problem: FreeBoards) -> BoardPoses:
     return replace(first, rotation=rotation, shift=np.where(is_mirrored, second.shift, first.shift))
 
 
-def _plane_poses(points_board: FloatArray, rays: FloatArray) -> tuple[Sequence, Sequence]:
-    """Return rotation vectors and centres of the poses that a plane has, better first.
-
-    The plane-based solution takes the root of a difference that rounding can make negative, and is then no number;
-    the iterative one has no such place.
-    """
-    rays = np.ascontiguousarray(rays)
-    _, turns, centres, _ = cv2.solvePnPGeneric(points_board, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE)
-    found = [i for i in range(len(turns)) if np.isfinite(turns[i]).all() and np.isfinite(centres[i]).all()]
-    if found:
-        return [turns[i] for i in found], [centres[i] for i in found]
-    _, turn, centre = cv2.solvePnP(points_board, rays, np.eye(3), None, flags=cv2.SOLVEPNP_ITERATIVE)
-    return [turn], [centre]
-
-
-def _in_front(turns: Sequence, shifts: Sequence, choice: int) -> tuple[FloatArray, FloatArray]:
-    """Return the solution of this number among those in front of the camera, the last where there are fewer."""
-    found = [pair for pair in zip(turns, shifts, strict=True) if float(np.ravel(pair[1])[2]) > 0.0]
+def _in_front(poses: Sequence[tuple[FloatArray, FloatArray]], choice: int) -> tuple[FloatArray, FloatArray]:
+    """Return the pose of this number among those in front of the camera, the last where there are fewer."""
+    found = [pair for pair in poses if float(np.ravel(pair[1])[2]) > 0.0]
     if found:
         turn, shift = found[min(choice, len(found) - 1)]
         return np.ravel(turn), np.ravel(shift)
-    shift = np.ravel(shifts[0])
-    return np.ravel(turns[0]), np.array([shift[0], shift[1], max(abs(float(shift[2])), 1e-2)])
+    turn, shift = (np.ravel(values) for values in poses[0])
+    return turn, np.array([shift[0], shift[1], max(abs(float(shift[2])), 1e-2)])

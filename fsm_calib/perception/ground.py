@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 
 from fsm_calib.perception.lens import intrinsics_vector, unproject
+from fsm_calib.perception.plane_poses import plane_poses
 from fsm_calib.perception.rotations import base_from_camera
 from fsm_calib.types import (
     CameraModel,
@@ -84,11 +85,9 @@ def tag_corners(tag_size: float) -> FloatArray:
 
 
 def tag_poses(detection: TagDetection, camera: CameraModel, tag_size: float) -> tuple[TagPose, ...]:
-    """Return the two poses that explain a tag's corners, the better first (infinitesimal plane-based
-    solution).
+    """Return the two poses that explain a tag's corners, the better first (`plane_poses`, refined).
 
-    Source: Collins and Bartoli, IJCV 2014 (OpenCV's IPPE_SQUARE, which wants top left, top right, bottom
-    right, bottom left).
+    OpenCV's IPPE_SQUARE wants top left, top right, bottom right, bottom left.
     """
     rays = unproject(intrinsics_vector(camera), detection.corners_image)
     return _poses_of_rays(rays, camera, tag_size)
@@ -98,13 +97,10 @@ def _poses_of_rays(rays: FloatArray, camera: CameraModel, tag_size: float) -> tu
     """Return the two poses, the better first, from the rays of a tag's corners, shape (4, 2) [1]."""
     order = [3, 2, 1, 0]
     corners, found = np.ascontiguousarray(tag_corners(tag_size)[order]), np.ascontiguousarray(rays[order])
-    _, turns, centres, _ = cv2.solvePnPGeneric(
-        corners, found, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE_SQUARE
-    )
     scale = float(np.sqrt(camera.matrix[0, 0] * camera.matrix[1, 1]))
     poses = [
-        _refined(corners, found, np.asarray(turn, float), np.asarray(centre, float), scale)
-        for turn, centre in zip(turns, centres, strict=True)
+        _refined(corners, found, turn, centre, scale)
+        for turn, centre in plane_poses(corners, found, cv2.SOLVEPNP_IPPE_SQUARE)
     ]
     return tuple(sorted(poses, key=lambda pose: pose.error))
 
