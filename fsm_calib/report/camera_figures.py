@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.perception.prediction import image_grid
 from fsm_calib.perception.undistort import as_png, undistorted
-from fsm_calib.report.run_style import BOARD_COLOURS, figure, svg
+from fsm_calib.report.palette import BOARD_COLOURS
+from fsm_calib.report.run_style import figure, svg
 from fsm_calib.types import BoardView
 
 _ARROW = 50.0  # residual arrows are drawn so many times their length

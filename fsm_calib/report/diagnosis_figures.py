@@ -9,7 +9,8 @@ from matplotlib.collections import LineCollection
 from fsm_calib.diagnosis.bank import Ranked
 from fsm_calib.diagnosis.windows import Windows
 from fsm_calib.report.diagnosis_paths import Drive
-from fsm_calib.report.run_style import BOARD_COLOURS, PHASE_COLOURS, Margins, figure, svg
+from fsm_calib.report.palette import BOARD_COLOURS, PHASE_COLOURS
+from fsm_calib.report.run_style import Margins, figure, svg
 
 BEFORE, AFTER, MEASURED, FLOOR = "#d95f0e", "#2b7bba", "#222222", "#9aa0a6"
 """Colours of the base robot alone, of the robot with the effects, of what was measured, and of the noise floor."""

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
-from matplotlib.patches import Polygon, Rectangle
 
+from fsm_calib.report.palette import BOARD_COLOURS, INK, PHASE_COLOURS, TEXT
+from fsm_calib.report.plot import Axes, Box, figure
+from fsm_calib.report.plot_scale import limits
 from fsm_calib.report.run_record import RunRecord
-from fsm_calib.report.run_style import BOARD_COLOURS, PHASE_COLOURS, figure, svg
-from fsm_calib.types import Pose2
+from fsm_calib.types import FloatArray, Pose2
 from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, SceneSpec
 
+LABEL = 0.35
+"""Room for the names of boards beside them [m]."""
 ARROW = 0.16
 """Length of the arrow that shows where the robot looked from [m]."""
 NEAR = 0.62
@@ -24,24 +25,44 @@ SHOULDER = 0.03
 """Road drawn beyond its white lines, so that they show [m]."""
 ROAD_GREY = "#8d8d8d"
 """Colour of the road, on which white lines show."""
+WALL = "#7a4b2a"
+"""Colour of walls."""
+PATH_STEP = 0.006
+"""Length of path between the points that are drawn [m]: half a pixel of the area."""
+SIZE = (1100.0, 560.0)
+WHOLE = Box(58.0, 50.0, 520.0, 460.0)
+CLOSE = Box(650.0, 50.0, 440.0, 460.0)
+"""Size of the figure and places of its two plans [px]."""
 
 
 def floor_plan(record: RunRecord) -> str:
-    """Return the floor plan as SVG."""
-    with figure(11.0, 5.6) as fig:
-        whole, near = fig.subplots(1, 2, width_ratios=(1.25, 1.0))
-        for axes in (whole, near):
-            draw_scene(axes, record.scene)
-            draw_track(axes, record)
-            axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
-        whole.margins(x=0.2)
-        whole.legend(loc="upper right", fontsize=8)
-        whole.set_title("the area")
-        draw_views(near, record)
-        near.set_title("around the start: where a board was seen from")
-        x, y = record.track[0, 1:3]
-        near.set(xlim=(x - 0.75 * NEAR, x + 1.25 * NEAR), ylim=(y - NEAR, y + NEAR))
-        return svg(fig, "Floor plan with the driven path")
+    """Return the floor plan as SVG: the whole area, and the boards with the views of them."""
+    corners = np.vstack([*scene_corners(record.scene), record.track[:, 1:3]])
+    xlim, ylim = limits(corners[:, 0]), limits(corners[:, 1])
+    xlim = (xlim[0], xlim[1] + LABEL)
+    whole = Axes(WHOLE.shrunk(xlim, ylim), xlim, ylim)
+    x, y = record.track[0, 1:3]
+    xlim, ylim = (x - 0.75 * NEAR, x + 1.25 * NEAR), (y - NEAR, y + NEAR)
+    near = Axes(CLOSE.shrunk(xlim, ylim), xlim, ylim)
+    for axes in (whole, near):
+        draw_scene(axes, record.scene)
+        draw_track(axes, record, is_named=axes is whole)
+    draw_views(near, record)
+    whole.frame("x [m]", "y [m]", "the area")
+    near.frame("x [m]", "y [m]", "around the start: where a board was seen from")
+    return figure(*SIZE, "Floor plan with the driven path", whole, near)
+
+
+def scene_corners(scene: SceneSpec) -> list[Any]:
+    """Return the corners of everything in the area, each of shape (n, 2) [m]."""
+    shapes = [board_outline(board) for board in scene.boards]
+    shapes += [np.array([(wall.x0, wall.y0), (wall.x1, wall.y1)]) for wall in scene.walls]
+    if scene.field is not None:
+        shapes += marker_squares(scene.field)
+    if scene.road is not None:
+        middle = scene.road.centre_offset
+        shapes.append(np.array(road_band(scene.road, middle, 2.0 * (scene.road.half_width + SHOULDER))))
+    return shapes
 
 
 def draw_scene(axes: Axes, scene: SceneSpec) -> None:
@@ -49,12 +70,12 @@ def draw_scene(axes: Axes, scene: SceneSpec) -> None:
     if scene.road is not None:
         _draw_road(axes, scene.road)
     if scene.field is not None:
-        _draw_field(axes, scene.field)
+        axes.areas(marker_squares(scene.field), "#c9ced6")
     for number, board in enumerate(scene.boards):
         _draw_board(axes, board, number)
     for wall in scene.walls:
-        axes.plot([wall.x0, wall.x1], [wall.y0, wall.y1], color="#7a4b2a", linewidth=4, solid_capstyle="butt")
-        axes.annotate("wall", (wall.x0, wall.y0), fontsize=8, color="#7a4b2a")
+        axes.line(np.array([(wall.x0, wall.y0), (wall.x1, wall.y1)]), WALL, 4.0)
+        axes.words(wall.x0, wall.y0, "wall", WALL)
 
 
 def _square(x: float, y: float, side: float, heading: float) -> np.ndarray:
@@ -64,13 +85,8 @@ def _square(x: float, y: float, side: float, heading: float) -> np.ndarray:
     return corners @ np.array([[c, s], [-s, c]]) + (x, y)
 
 
-def _fill(axes: Axes, shapes: Sequence[Any], colour: str) -> None:
-    """Fill polygons, each of shape (n, 2) [m], as one object: each by itself takes ten times as long."""
-    axes.add_collection(PolyCollection(shapes, facecolors=colour, edgecolors="none"))
-
-
-def _draw_field(axes: Axes, field: MarkerField) -> None:
-    """Draw the floor markers at their places in the drawing; the printed area differs by millimetres."""
+def marker_squares(field: MarkerField) -> list[FloatArray]:
+    """Return the floor markers at their places in the drawing; the printed area differs by millimetres."""
     shapes = []
     for row in range(field.rows):
         y = (0.5 * (field.rows - 1) - row) * field.pitch
@@ -78,58 +94,76 @@ def _draw_field(axes: Axes, field: MarkerField) -> None:
             if field.first_id + row * field.columns + column in field.missing:
                 continue
             shapes.append(_square(field.first_x - column * field.pitch, y, field.size, field.heading))
-    _fill(axes, shapes, "#c9ced6")
+    return shapes
+
+
+def board_outline(placement: BoardPlacement) -> FloatArray:
+    """Return a board's footprint: a thin line when it stands, an area when it leans or lies."""
+    depth = max(placement.height * math.sin(placement.lean), 0.006)
+    corners = np.array([(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)]) * (depth, placement.width)
+    c, s = math.cos(placement.yaw), math.sin(placement.yaw)
+    return np.asarray(corners @ np.array([[c, s], [-s, c]]) + (placement.x, placement.y))
 
 
 def _draw_board(axes: Axes, placement: BoardPlacement, number: int) -> None:
-    """Draw a board's footprint: a line when it stands, an area when it leans or lies."""
+    """Draw a board's footprint with its number and kind beside it."""
     colour = BOARD_COLOURS[number % len(BOARD_COLOURS)]
-    depth = max(placement.height * math.sin(placement.lean), 0.006)
-    width = placement.width
-    corners = np.array([(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)]) * (depth, width)
-    c, s = math.cos(placement.yaw), math.sin(placement.yaw)
-    corners = corners @ np.array([[c, s], [-s, c]]) + (placement.x, placement.y)
-    axes.add_patch(Polygon(corners, facecolor=colour + "55", edgecolor=colour, linewidth=1.2))
-    label = f"board {number}\n{placement.kind}"
-    spot = (placement.x + 0.14, placement.y)
-    axes.annotate(label, spot, fontsize=8, color=colour, va="center", annotation_clip=True, clip_on=True)
+    axes.areas([board_outline(placement)], colour, 0.33, edge=colour)
+    axes.words(placement.x + 0.14, placement.y, f"board {number}\n{placement.kind}", colour)
+
+
+def road_band(
+    road: Road, offset: float, width: float, begin: float = 0.0, end: float | None = None
+) -> list[tuple[float, float]]:
+    """Return the corners of a band along the road, its middle `offset` to the left of the line driven [m]."""
+    along = Pose2(road.start.x, road.start.y, road.start.theta)
+    corners = [(begin, offset - width / 2), (end or road.length, offset - width / 2)]
+    corners += [(x, y + width) for x, y in reversed(corners)]
+    points = [along.then(Pose2(x, y)) for x, y in corners]
+    return [(p.x, p.y) for p in points]
 
 
 def _draw_road(axes: Axes, road: Road) -> None:
     """Draw the road with its lines and the markers of the refinement section."""
-    along = Pose2(road.start.x, road.start.y, road.start.theta)
-
-    def band(offset: float, width: float, begin: float = 0.0, end: float | None = None) -> list[Any]:
-        corners = [(begin, offset - width / 2), (end or road.length, offset - width / 2)]
-        corners += [(x, y + width) for x, y in reversed(corners)]
-        points = [along.then(Pose2(x, y)) for x, y in corners]
-        return [(p.x, p.y) for p in points]
-
     middle = road.centre_offset
-    _fill(axes, [band(middle, 2.0 * (road.half_width + SHOULDER))], ROAD_GREY)
+    axes.areas([road_band(road, middle, 2.0 * (road.half_width + SHOULDER))], ROAD_GREY)
     edge = road.half_width - 0.5 * road.white_width
-    _fill(axes, [band(middle + side, road.white_width) for side in (-edge, edge)], "#ffffff")
+    axes.areas([road_band(road, middle + side, road.white_width) for side in (-edge, edge)], "#ffffff")
     begins = np.arange(0.0, road.length - road.dash, road.dash + road.gap).tolist()
-    _fill(axes, [band(middle, road.yellow_width, begin, begin + road.dash) for begin in begins], "#e6b800")
+    dashes = [road_band(road, middle, road.yellow_width, begin, begin + road.dash) for begin in begins]
+    axes.areas(dashes, "#e6b800")
+    along = Pose2(road.start.x, road.start.y, road.start.theta)
     places = [road.first_marker + number * road.marker_pitch for number in range(road.markers)]
     spots = [along.then(Pose2(place, 0.0)) for place in places]
-    squares = [_square(spot.x, spot.y, road.marker_size, road.start.theta) for spot in spots]
-    _fill(axes, squares, "#e3e6ea")
+    axes.areas([_square(spot.x, spot.y, road.marker_size, road.start.theta) for spot in spots], "#e3e6ea")
 
 
-def draw_track(axes: Axes, record: RunRecord) -> None:
-    """Draw the driven path in the colours of the phases, and the robot where it ended."""
-    times, x, y = record.track[:, 0], record.track[:, 1], record.track[:, 2]
+def draw_track(axes: Axes, record: RunRecord, is_named: bool) -> None:
+    """Draw the driven path in the colours of the phases, named in the legend or not, and the robot at its end."""
+    times, path = record.track[:, 0], record.track[:, 1:3]
     for phase, begin, end in _phases(record):
         inside = (times >= begin - 1e-9) & (times <= end + 1e-9)
-        axes.plot(x[inside], y[inside], color=PHASE_COLOURS.get(phase, "#555555"), linewidth=1.6, label=phase)
+        axes.line(
+            thinned(path[inside], PATH_STEP), PHASE_COLOURS.get(phase, TEXT), label=phase if is_named else ""
+        )
     last = Pose2(*record.track[-1, 1:4])
-    corners = ((0.10, 0.065), (0.10, -0.065), (-0.08, -0.065), (-0.08, 0.065))
-    body = [last.then(Pose2(*corner)) for corner in corners]
-    outline: dict[str, Any] = {"facecolor": "none", "edgecolor": "#222222", "linewidth": 1.2}
-    axes.add_patch(Polygon([(p.x, p.y) for p in body], **outline))
-    axes.add_patch(Rectangle((last.x - 0.008, last.y - 0.008), 0.016, 0.016, color="#222222"))
-    axes.plot(0.0, 0.0, marker="o", markersize=5, color="#222222", linestyle="none", label="start")
+    body = [
+        last.then(Pose2(*corner))
+        for corner in ((0.10, 0.065), (0.10, -0.065), (-0.08, -0.065), (-0.08, 0.065))
+    ]
+    axes.areas([[(p.x, p.y) for p in body]], "none", edge=INK)
+    axes.dots(np.array([(last.x, last.y)]), INK, 3.0)
+    axes.dots(np.zeros((1, 2)), INK, 6.0, label="start" if is_named else "")
+
+
+def thinned(path: FloatArray, step: float) -> FloatArray:
+    """Return a path, shape (n, 2) [m], with a point for every `step` [m] of its length, and its last."""
+    if len(path) < 3:
+        return path
+    driven = np.cumsum(np.hypot(*np.diff(path, axis=0, prepend=path[:1]).T)) // step
+    kept = np.diff(driven, prepend=-1.0) > 0.0
+    kept[-1] = True
+    return path[kept]
 
 
 def _phases(record: RunRecord) -> Iterable[tuple[str, float, float]]:
@@ -145,9 +179,6 @@ def _phases(record: RunRecord) -> Iterable[tuple[str, float, float]]:
 def draw_views(axes: Axes, record: RunRecord) -> None:
     """Draw an arrow for every view of a board, from where and in which direction the robot looked."""
     seen = [event for event in record.events if event["trigger"] in ("board_seen", "next_board_seen")]
-    poses = np.array([event["pose"] for event in seen]).reshape(-1, 3)
-    colours = [BOARD_COLOURS[int(event["board"]) % len(BOARD_COLOURS)] for event in seen]
-    if len(poses):
-        u, v = ARROW * np.cos(poses[:, 2]), ARROW * np.sin(poses[:, 2])
-        form: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.0018}
-        axes.quiver(poses[:, 0], poses[:, 1], u, v, color=colours, **form)
+    for board in sorted({int(event["board"]) for event in seen}):
+        poses = np.array([event["pose"] for event in seen if event["board"] == board])
+        axes.arrows(poses[:, :2], poses[:, 2], ARROW, BOARD_COLOURS[board % len(BOARD_COLOURS)])

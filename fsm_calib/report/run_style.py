@@ -1,4 +1,4 @@
-"""How the figures of the run report look: one palette, one type size, vector graphics in the page."""
+"""How figures drawn with matplotlib look: one palette, one type size, vector graphics in the page."""
 
 from __future__ import annotations
 
@@ -12,25 +12,7 @@ from typing import Any
 import matplotlib
 from matplotlib.figure import Figure
 
-PHASE_COLOURS = {
-    "focus": "#8c6bb1",
-    "scan": "#2b7bba",
-    "orientation": "#e08214",
-    "wheels": "#2a9d5c",
-    "exit": "#c2428a",
-    "lane": "#b8860b",
-    "between": "#9aa0a6",
-    "failed": "#d73027",
-    "aborted": "#d73027",
-    "done": "#555555",
-}
-"""One colour for each phase, the same in every figure, told apart also without seeing red and green."""
-
-BOARD_COLOURS = ("#2b7bba", "#e08214", "#2a9d5c", "#c2428a", "#8c6bb1", "#b8860b")
-"""One colour for each board, in turn."""
-
-TEXT = "#555555"
-"""Colour of the axes' labels."""
+from fsm_calib.report.palette import INK, TEXT
 
 STYLE: Any = {
     "font.size": 9.0,
@@ -38,7 +20,7 @@ STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.edgecolor": "#777777",
-    "axes.labelcolor": "#333333",
+    "axes.labelcolor": INK,
     "xtick.color": TEXT,
     "ytick.color": TEXT,
     "axes.titlesize": 10.0,
