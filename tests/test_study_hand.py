@@ -15,7 +15,15 @@ from fsm_calib.study.hand_wheels import (
     calibrate_wheels_by_hand,
     ratio_of,
 )
-from fsm_calib.study.held_board import CameraPose, HandMotion, HeldBoard, held_pose, moved, row_shares
+from fsm_calib.study.held_board import (
+    CameraPose,
+    HandMotion,
+    HandWork,
+    HeldBoard,
+    held_pose,
+    moved,
+    row_shares,
+)
 from fsm_calib.study.operator import OperatorSettings
 from fsm_calib.types import BoardSpec
 from fsm_calib.world2d.deviation import straight_deviation
@@ -67,8 +75,8 @@ def test_the_board_is_held_whole_in_the_picture():
 def test_a_fast_hand_blurs_the_picture():
     fast = OperatorSettings(fast_share=0.9, fast_factor=60.0)
     robot, rng = nominal_robot(), np.random.default_rng(1)
-    quiet = HeldBoard(robot, SensorSettings(), STILL, BOARD, rng)
-    moving = HeldBoard(robot, SensorSettings(), fast, BOARD, rng)
+    quiet = HeldBoard(HandWork(robot, SensorSettings(), STILL, BOARD), rng)
+    moving = HeldBoard(HandWork(robot, SensorSettings(), fast, BOARD), rng)
     widths = [
         [inspect_board(held.picture(), BOARD).edge_width_px for _ in range(8)] for held in (quiet, moving)
     ]
@@ -81,7 +89,7 @@ def still_and_shaking():
     robot = nominal_robot()
     shaking = replace(STILL, tremor_speed=0.05, tremor_rate=0.2)
     return robot, [
-        calibrate_by_hand(robot, SensorSettings(), each, BOARD, np.random.default_rng(7))
+        calibrate_by_hand(HandWork(robot, SensorSettings(), each, BOARD), np.random.default_rng(7))
         for each in (STILL, shaking)
     ]
 
@@ -101,7 +109,8 @@ def test_a_trembling_hand_costs_accuracy(still_and_shaking):
 def test_the_mount_is_read_from_a_board_on_the_floor():
     robot = nominal_robot()
     still = replace(STILL, board_offset_sd=0.0, board_turn_sd=0.0)
-    mount = mount_by_hand(robot, robot.camera, SensorSettings(), still, BOARD, np.random.default_rng(0))
+    work = HandWork(robot, SensorSettings(), still, BOARD)
+    mount = mount_by_hand(work, robot.camera, np.random.default_rng(0))
     assert mount.pitch == pytest.approx(robot.mount.pitch, abs=0.003)
     assert mount.height == pytest.approx(robot.mount.height, abs=0.002)
 

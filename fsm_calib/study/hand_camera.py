@@ -17,13 +17,11 @@ from fsm_calib.perception.chessboard import find_board
 from fsm_calib.perception.classical import ClassicalCalibration, calibrate_classically, classical_view
 from fsm_calib.perception.extrinsics import FLOOR_BOARD_OFFSET, board_points_base, calibrate_extrinsics
 from fsm_calib.perception.intrinsics import calibrate
-from fsm_calib.study.held_board import HeldBoard
-from fsm_calib.study.operator import OperatorSettings
+from fsm_calib.study.held_board import HandWork, HeldBoard
 from fsm_calib.types import BoardSpec, BoardView, CameraModel, CameraMount, Pose2
 from fsm_calib.world2d.camera import Renderer
-from fsm_calib.world2d.fleet import RobotSpec
 from fsm_calib.world2d.scene import BoardPlacement, SceneSpec
-from fsm_calib.world2d.sensor import SensorSettings, expose
+from fsm_calib.world2d.sensor import expose
 from fsm_calib.world2d.surfaces import build_scene
 
 MOST_ATTEMPTS = 4
@@ -43,26 +41,18 @@ class HandCalibration:
     attempts: int
 
 
-def calibrate_by_hand(
-    robot: RobotSpec,
-    sensor: SensorSettings,
-    operator: OperatorSettings,
-    board: BoardSpec,
-    rng: np.random.Generator,
-) -> HandCalibration:
+def calibrate_by_hand(work: HandWork, rng: np.random.Generator) -> HandCalibration:
     """Return the camera that a person's views give.
-
-    The arguments are those of `HeldBoard`.
 
     Raises
     ------
     DataError
         When the board is not found in enough of the pictures.
     """
-    held = HeldBoard(robot, sensor, operator, board, rng)
+    held, board, operator = HeldBoard(work, rng), work.board, work.operator
     manual: list[BoardView] = []
     own: list[BoardView] = []
-    size = (robot.camera.width, robot.camera.height)
+    size = (work.robot.camera.width, work.robot.camera.height)
     for attempt in range(MOST_ATTEMPTS * operator.views):
         picture = held.picture()
         view = classical_view(picture, board)
@@ -90,34 +80,21 @@ def _own_solution(
         return None
 
 
-def mount_by_hand(
-    robot: RobotSpec,
-    camera: CameraModel,
-    sensor: SensorSettings,
-    operator: OperatorSettings,
-    board: BoardSpec,
-    rng: np.random.Generator,
-) -> CameraMount:
+def mount_by_hand(work: HandWork, camera: CameraModel, rng: np.random.Generator) -> CameraMount:
     """Return the mount that the manual's extrinsic calibration gives: one picture of the board on the floor.
 
-    Parameters
-    ----------
-    robot : RobotSpec
-        Whose true lens and mount take the picture.
-    camera : CameraModel
-        The calibrated lens that is used to read it.
-    sensor, operator, board, rng
-        As in `calibrate_by_hand`; the robot is placed before the board by hand.
+    The robot is placed before the board by hand; `camera` is the calibrated lens by which the picture is read.
 
     Raises
     ------
     DataError
         When the board is not found or does not fit a floor.
     """
+    robot, operator, board = work.robot, work.operator, work.board
     middle = board_points_base(board, FLOOR_BOARD_OFFSET).mean(axis=0)
     placement = BoardPlacement(board, x=float(middle[0]), y=float(middle[1]), yaw=math.pi, lean=math.pi / 2.0)
     scene = build_scene(SceneSpec(boards=(placement,)), rng)
     x, y = rng.normal(0.0, operator.board_offset_sd, 2)
     place = Pose2(float(x), float(y), float(rng.normal(0.0, operator.board_turn_sd)))
-    picture = expose(Renderer(scene, robot.camera, robot.mount).ideal(place), robot.camera, sensor, rng)
+    picture = expose(Renderer(scene, robot.camera, robot.mount).ideal(place), robot.camera, work.sensor, rng)
     return calibrate_extrinsics(picture, board, camera).mount

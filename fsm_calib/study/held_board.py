@@ -60,31 +60,27 @@ class HandMotion:
     rate: FloatArray
 
 
-class HeldBoard:
-    """A board, a camera and a person.
+@dataclass(frozen=True, eq=False)
+class HandWork:
+    """Who calibrates what by hand.
 
-    Parameters
-    ----------
-    robot : RobotSpec
-        Whose true lens takes the pictures.
-    sensor : SensorSettings
-        Exposure, noise, focus.
-    operator : OperatorSettings
-    board : BoardSpec
-    rng : numpy.random.Generator
-        Everything that is random.
+    robot : whose true lens and mount take the pictures; sensor : exposure, noise, focus; operator : the person;
+    board : what is held before the camera or laid on the floor.
     """
 
-    def __init__(
-        self,
-        robot: RobotSpec,
-        sensor: SensorSettings,
-        operator: OperatorSettings,
-        board: BoardSpec,
-        rng: np.random.Generator,
-    ) -> None:
-        placement = replace(HELD, board=board)
-        self._camera, self._sensor, self._operator, self._rng = robot.camera, sensor, operator, rng
+    robot: RobotSpec
+    sensor: SensorSettings
+    operator: OperatorSettings
+    board: BoardSpec
+
+
+class HeldBoard:
+    """A board that a person holds before a camera; everything that is random is drawn from `rng`."""
+
+    def __init__(self, work: HandWork, rng: np.random.Generator) -> None:
+        placement = replace(HELD, board=work.board)
+        self._camera, self._sensor = work.robot.camera, work.sensor
+        self._operator, self._rng = work.operator, rng
         self._scene = build_scene(SceneSpec(boards=(placement,)), rng)
         self._corners = board_points_world(placement)
         self._middle = self._corners.mean(axis=0)

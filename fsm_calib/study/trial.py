@@ -25,6 +25,7 @@ from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.world import world_of
 from fsm_calib.study.hand_camera import calibrate_by_hand, mount_by_hand
 from fsm_calib.study.hand_wheels import HandWheels, calibrate_wheels_by_hand
+from fsm_calib.study.held_board import HandWork
 from fsm_calib.study.models import Study
 from fsm_calib.study.operator import OperatorSettings
 from fsm_calib.study.stages import Stages
@@ -32,7 +33,6 @@ from fsm_calib.study.variants import BASE, Variant, scenario_of_robot
 from fsm_calib.types import BoardSpec, CameraModel, CameraMount
 from fsm_calib.world2d.deviation import straight_deviation
 from fsm_calib.world2d.robot import WorldSpec
-from fsm_calib.world2d.sensor import SensorSettings
 
 _HAND_STREAM, _WHEELS_STREAM, _MOUNT_STREAM = 101, 102, 103
 PLAN_TEST_1 = ("orientation", "wheels")
@@ -103,31 +103,23 @@ def hand_camera(
 
     `same_solver` holds what the robot's own code makes of the same pictures.
     """
-    sensor = spec.optics
-    rng = np.random.default_rng([spec.seed, _HAND_STREAM, repeat])
+    work = HandWork(spec.robot, spec.optics, operator, board)
     try:
-        hand = calibrate_by_hand(spec.robot, sensor, operator, board, rng)
+        hand = calibrate_by_hand(work, np.random.default_rng([spec.seed, _HAND_STREAM, repeat]))
     except DataError:
         return None
     true, camera = spec.robot.camera, hand.manual.camera
     row = camera_row(camera, hand.manual.figures, true) | {"attempts": hand.attempts}
     own = hand.same_solver
     row["same_solver"] = None if own is None else _own_row(own, true)
-    return row | {"mount": _mount_row(spec, camera, sensor, operator, board, repeat)}
-
-
-def _mount_row(
-    spec: WorldSpec,
-    camera: CameraModel,
-    sensor: SensorSettings,
-    operator: OperatorSettings,
-    board: BoardSpec,
-    repeat: int,
-) -> dict[str, float] | None:
-    """Return the mount by hand as plain values; None when the floor board was not read."""
     rng = np.random.default_rng([spec.seed, _MOUNT_STREAM, repeat])
+    return row | {"mount": _mount_row(work, camera, rng)}
+
+
+def _mount_row(work: HandWork, camera: CameraModel, rng: np.random.Generator) -> dict[str, float] | None:
+    """Return the mount by hand as plain values; None when the floor board was not read."""
     try:
-        return asdict(mount_by_hand(spec.robot, camera, sensor, operator, board, rng))
+        return asdict(mount_by_hand(work, camera, rng))
     except DataError:
         return None
 
