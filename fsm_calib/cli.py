@@ -8,6 +8,7 @@ commands that need them, so that `--help` answers at once.
 from __future__ import annotations
 
 import importlib
+import os
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,6 +19,13 @@ from fsm_calib.errors import FsmCalibError
 
 COMMAND_MODULES: tuple[str, ...] = ("cli_run", "cli_recording", "cli_camera", "cli_diagnosis", "cli_study")
 """Modules of this package with `register(app)`; each adds its commands to the command line."""
+
+LINEAR_ALGEBRA_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+"""Variables that every command sets to one thread unless the user has; numpy reads them when it is first imported.
+
+The matrices here are small: threads wait for each other longer than they compute, and how a sum is shared out among
+them changes its last digits, so that one seed would give other digits on a machine with other cores.
+"""
 
 
 class Commands(TyperGroup):
@@ -116,6 +124,8 @@ def diagrams(
     typer.echo(f"{out}/ is current")
 
 
+for _variable in LINEAR_ALGEBRA_THREADS:
+    os.environ.setdefault(_variable, "1")
 for _module in COMMAND_MODULES:
     importlib.import_module(f"fsm_calib.{_module}").register(app)
 

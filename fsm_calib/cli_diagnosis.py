@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,11 +13,6 @@ from fsm_calib.cli_files import check_places, print_findings, tell_result, write
 
 if TYPE_CHECKING:
     from fsm_calib.diagnosis.diagnose import Diagnosis
-
-for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-    os.environ.setdefault(
-        _variable, "1"
-    )  # many small products: threads of the linear algebra only wait for each other
 
 
 def register(app: typer.Typer) -> None:

@@ -35,6 +35,23 @@ def quick(tmp_path: Path) -> Path:
     return path
 
 
+def test_linear_algebra_has_one_thread_before_numpy_is_there() -> None:
+    code = """
+import builtins, os, sys
+os.environ.pop("OPENBLAS_NUM_THREADS", None)
+real = builtins.__import__
+def watched(name, *arguments):
+    if name == "numpy" and "numpy" not in sys.modules:
+        print(os.environ.get("OPENBLAS_NUM_THREADS"))
+    return real(name, *arguments)
+builtins.__import__ = watched
+import fsm_calib.cli
+import numpy
+"""
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.split()[0] == "1"
+
+
 def test_help_lists_the_commands_of_the_contract() -> None:
     result = call("--help")
     assert result.exit_code == 0
