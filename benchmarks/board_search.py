@@ -6,13 +6,16 @@ Robots of the fleet look at the drawing's boards from random places around the s
 frames in which OpenCV's detector reports a whole board: those whose corners the first search refines, those that the
 second search saves (it begins from corners that their neighbours agree with), and those that stay lost; with the largest
 error of a corner against the projection of the truth.
+
+With --looks counted are, over the first three frames of each robot, the flat board before it: by one threshold, by
+adaptive thresholds, by either, and refined.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-from collections import defaultdict
+from collections import Counter, defaultdict
 
 import cv2
 import numpy as np
@@ -27,6 +30,8 @@ from fsm_calib.world2d.sensor import SensorSettings, expose
 from fsm_calib.world2d.surfaces import board_points_world, build_scene
 
 FRAMES = 14
+LOOKS = 3
+"""Frames of a robot that has just been placed."""
 BOARD, SETTINGS = BoardSpec(), chessboard.DEFAULT_DETECTOR
 WRONG_PX = 1.0
 """A corner farther than this from the truth is wrong."""
@@ -68,11 +73,35 @@ def search(gray) -> tuple[str, FloatArray | None]:
     return ("lost" if corners is None else "second"), corners
 
 
+def first_looks(robots: int) -> None:
+    """Print in how many of the first frames each way to look finds the flat board that the robot stands before."""
+    area, rng = calibration_area(), np.random.default_rng(0)
+    scene = build_scene(area, rng)
+    found: Counter[str] = Counter()
+    for _ in range(robots):
+        robot = draw_robot(rng)
+        renderer = Renderer(scene, robot.camera, robot.mount)
+        for _ in range(LOOKS):
+            light = renderer.ideal(Pose2())
+            gray = chessboard.as_gray(expose(light, robot.camera, SensorSettings(defocus=robot.defocus), rng))
+            ways = [
+                chessboard._rough_corners(gray, BOARD, (way,), SETTINGS) is not None
+                for way in chessboard._TWO_LOOKS
+            ]
+            found.update({"one threshold": ways[0], "adaptive thresholds": ways[1], "either": any(ways)})
+            found["with its corners"] += chessboard.find_board(gray, BOARD) is not None
+    print(f"the flat board in {LOOKS * robots} first frames: {dict(found)}")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--robots", type=int, default=150)
+    parser.add_argument("--looks", action="store_true", help="the first looks at the flat board instead")
     options = parser.parse_args()
     cv2.setNumThreads(1)
+    if options.looks:
+        first_looks(options.robots)
+        return
     area, rng = calibration_area(), np.random.default_rng(0)
     scene = build_scene(area, rng)
     errors: defaultdict[str, list[float]] = defaultdict(list)

@@ -76,8 +76,8 @@ DEFAULT_DETECTOR = DetectorSettings()
 # One threshold from the histogram: 2 ms where a board is, 12 ms where none is. Adaptive thresholds take 90 ms to
 # give up, and the detector's own quick look refuses boards that are small or lie flat.
 _FAST = cv2.CALIB_CB_NORMALIZE_IMAGE
-# Where that finds nothing, adaptive thresholds after the quick look: of 72 first looks of a fleet at a flat board, one
-# threshold finds 64, the other way 69, either of them 71.
+# Where that finds nothing, adaptive thresholds after the quick look: of 450 first looks of a fleet at a flat board, one
+# threshold finds 414, the other way 432, either of them 440 (benchmarks/board_search.py --looks).
 _SECOND = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
 _TWO_LOOKS = (_FAST, _SECOND)
 _THOROUGH = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
