@@ -36,6 +36,10 @@ DEFINITIONS = {
     "geometry_msgs/PoseWithCovarianceStamped pose\n",
     "apriltags2_ros/msg/AprilTagDetectionArray": HEADER + "apriltags2_ros/AprilTagDetection[] detections\n",
 }
+TIME = {"builtin_interfaces/msg/Time": "int32 sec\nuint32 nanosec\n"}
+STAMP = "builtin_interfaces/Time stamp\nstring frame_id\n"
+WRITTEN = (CHANNEL_TYPE, WHEELS_TYPE, TICK_TYPE, POSE_TYPE, STATE_TYPE)
+"""Types of the messages that a bag of ours holds."""
 OLD_TAG_DEFINITIONS = {
     "duckietown_msgs/msg/AprilTagDetection": "int32 id\nfloat64 size\ngeometry_msgs/PoseStamped pose\n",
     "duckietown_msgs/msg/AprilTagDetectionArray": "duckietown_msgs/AprilTagDetection[] detections\n",
@@ -49,6 +53,18 @@ def typestore(ros1: bool = False, old_tags: bool = False) -> Typestore:
     store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
     types: dict = {}
     for name, text in (DEFINITIONS | (OLD_TAG_DEFINITIONS if old_tags else {})).items():
+        types.update(get_types_from_msg(text, name))
+    store.register(types)
+    return store
+
+
+@lru_cache(maxsize=2)
+def writing_store(ros1: bool = False) -> Typestore:
+    """Return the types that a bag of ours holds, and no others: all of ROS's take 0.1 s to load."""
+    store = get_typestore(Stores.EMPTY)
+    types: dict = {}
+    header = {"std_msgs/msg/Header": "uint32 seq\n" + STAMP if ros1 else STAMP}
+    for name, text in (TIME | header | {name: DEFINITIONS[name] for name in WRITTEN}).items():
         types.update(get_types_from_msg(text, name))
     store.register(types)
     return store

@@ -30,7 +30,7 @@ from fsm_calib.recording.duckietown_messages import (
     STATE_TYPE,
     TICK_TYPE,
     WHEELS_TYPE,
-    typestore,
+    writing_store,
 )
 from fsm_calib.recording.manifest_schema import FORMAT
 from fsm_calib.recording.recording import Recording
@@ -119,8 +119,9 @@ def _ticks(angle: np.ndarray, resolution: float) -> np.ndarray:
     return np.where(whole * resolution == angle, whole, ticks)
 
 
-def _cells(column: Any) -> list[str]:
-    return list(column) if isinstance(column, tuple) else [repr(value) for value in column.tolist()]
+def _cells(column: Any) -> list[str] | list[float]:
+    """Return a column's values; the csv module writes numbers with all their digits."""
+    return list(column) if isinstance(column, tuple) else column.tolist()
 
 
 def write_bag(recording: Recording, path: Path, prefix: str = "/robot") -> Path:
@@ -133,31 +134,36 @@ def write_bag(recording: Recording, path: Path, prefix: str = "/robot") -> Path:
             "the bag exists already", where=str(path), cure="Name a new file or remove this one."
         )
     ros1 = path.suffix == ".bag"
-    store = typestore(ros1)
+    store = writing_store(ros1)
+    serialize = store.serialize_ros1 if ros1 else store.serialize_cdr
     writer = Writer1(path) if ros1 else Writer2(path, version=9, storage_plugin=StoragePlugin.MCAP)
     with writer:
         connections: dict[str, Any] = {}
-        for time, topic, kind, message in _messages(recording, store, prefix):
+        for time, topic, kind, values in _messages(recording, prefix):
             if topic not in connections:
                 connections[topic] = writer.add_connection(topic, kind, typestore=store)
             stamp = BAG_EPOCH + round(time * 1e9)
-            raw = store.serialize_ros1(message, kind) if ros1 else store.serialize_cdr(message, kind)
-            writer.write(connections[topic], stamp, raw)
+            message = store.types[kind](header=_header(store, stamp), **values)
+            writer.write(connections[topic], stamp, serialize(message, kind))
     return path
 
 
-def _messages(recording: Recording, store: Any, prefix: str) -> list[tuple[float, str, str, Any]]:
-    """Return (time, topic, type, message) of everything, in order of time."""
+Row = tuple[float, str, str, dict[str, Any]]
+"""Time [s], topic, type and fields of a message but for its header; made a message when it is written, because
+tens of thousands of message objects keep the garbage collector busy for as long as writing them takes."""
+
+
+def _messages(recording: Recording, prefix: str) -> list[Row]:
+    """Return everything in order of time."""
     about = {name: _channel_head(channel) for name, channel in recording.channels.items()}
     head = {"format": FORMAT, "robot": asdict(recording.robot), "channels": about}
-    found: list[tuple[float, str, str, Any]] = []
+    found: list[Row] = []
     for name, channel in recording.channels.items():
-        found += _own_messages(store, name, channel)
-    found += _duckietown_messages(recording, store, prefix)
+        found += _own_messages(name, channel)
+    found += _duckietown_messages(recording, prefix)
     found.sort(key=lambda item: item[0])
     start = min([item[0] for item in found], default=0.0)
-    first = (start, HEAD_TOPIC, CHANNEL_TYPE, _row(store, start, (), json.dumps(head)))
-    return [first, *found]
+    return [(start, HEAD_TOPIC, CHANNEL_TYPE, {"values": np.empty(0), "text": json.dumps(head)}), *found]
 
 
 def _channel_head(channel: Channel) -> dict[str, Any]:
@@ -168,39 +174,32 @@ def _channel_head(channel: Channel) -> dict[str, Any]:
     return {"kind": type(channel).__name__, "columns": columns, "settings": rest}
 
 
-def _own_messages(store: Any, name: str, channel: Channel) -> list[tuple[float, str, str, Any]]:
+def _own_messages(name: str, channel: Channel) -> list[Row]:
     arrays = [getattr(channel, f.name) for f in fields(channel)]
-    rows = np.stack([array for array in arrays if isinstance(array, np.ndarray)], axis=1)
+    rows = np.stack([array for array in arrays if isinstance(array, np.ndarray)], axis=1, dtype=np.float64)
     words = channel.path if isinstance(channel, StateTrack) else ("",) * len(rows)
+    topic, times = TOPIC.format(name), rows[:, 0].tolist()
     return [
-        (float(row[0]), TOPIC.format(name), CHANNEL_TYPE, _row(store, float(row[0]), row, word))
-        for row, word in zip(rows, words, strict=True)
+        (time, topic, CHANNEL_TYPE, {"values": row, "text": word})
+        for time, row, word in zip(times, rows, words, strict=True)
     ]
 
 
-def _row(store: Any, time: float, values: Any, text: str) -> Any:
-    message = store.types[CHANNEL_TYPE]
-    return message(header=_header(store, time), values=np.array(values, dtype=np.float64), text=text)
-
-
-def _header(store: Any, time: float) -> Any:
-    nanoseconds = BAG_EPOCH + round(time * 1e9)
-    stamp = store.types["builtin_interfaces/msg/Time"](
-        sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000
-    )
+def _header(store: Any, stamp: int) -> Any:
+    """Return the header of a message of time `stamp` [ns]."""
+    seconds, nanoseconds = divmod(stamp, 1_000_000_000)
+    time = store.types["builtin_interfaces/msg/Time"](sec=seconds, nanosec=nanoseconds)
     header = store.types["std_msgs/msg/Header"]
     extra = {"seq": 0} if "seq" in header.__dataclass_fields__ else {}
-    return header(stamp=stamp, frame_id="world", **extra)
+    return header(stamp=time, frame_id="world", **extra)
 
 
-def _duckietown_messages(recording: Recording, store: Any, prefix: str) -> list[tuple[float, str, str, Any]]:
+def _duckietown_messages(recording: Recording, prefix: str) -> list[Row]:
     """Return the same drive in Duckietown's own messages, as far as they can hold it."""
-    found: list[tuple[float, str, str, Any]] = []
+    found: list[Row] = []
 
     def add(time: float, topic: str, kind: str, **values: Any) -> None:
-        found.append(
-            (time, f"{prefix}/{topic}", kind, store.types[kind](header=_header(store, time), **values))
-        )
+        found.append((time, f"{prefix}/{topic}", kind, values))
 
     command, angle = recording.command, recording.wheel_angle
     if command is not None and command.unit == "normalized":
@@ -226,9 +225,9 @@ def _duckietown_messages(recording: Recording, store: Any, prefix: str) -> list[
                     type=1,
                 )
     if recording.pose is not None:
-        for row, time in enumerate(recording.pose.time):
-            x, y, theta = (float(getattr(recording.pose, key)[row]) for key in ("x", "y", "theta"))
-            add(float(time), "localization_node/pose", POSE_TYPE, x=x, y=y, theta=theta)
+        columns = (getattr(recording.pose, key).tolist() for key in ("time", "x", "y", "theta"))
+        for time, x, y, theta in zip(*columns, strict=True):
+            add(time, "localization_node/pose", POSE_TYPE, x=x, y=y, theta=theta)
     if recording.state is not None:
         for time, path in zip(recording.state.time, recording.state.path, strict=True):
             add(float(time), "fsm_node/mode", STATE_TYPE, state=path)
