@@ -14,6 +14,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from fsm_calib.cli_extrinsics import extrinsics_text
+from fsm_calib.perception.camera_files import read_intrinsics, read_projection
 from fsm_calib.perception.extrinsics import FLOOR_BOARD_OFFSET, calibrate_extrinsics
 from fsm_calib.perception.ground import tag_poses
 from fsm_calib.perception.intrinsics import calibrate
@@ -22,18 +24,7 @@ from fsm_calib.perception.tags import find_tags
 from fsm_calib.types import BoardSpec, CameraModel
 
 PHOTOS = Path(os.environ.get("FSM_CALIB_SHARED", "../shared")) / "photos"
-TTIC = CameraModel(  # published with the photo
-    np.array([[295.796, 0.0, 321.262], [0.0, 299.539, 241.736], [0.0, 0.0, 1.0]]),
-    np.array([-0.235440, 0.036378, -0.003307, -0.001214, 0.0]),
-    640,
-    480,
-    "plumb_bob",
-)
-TTIC_PROJECTION = (
-    np.array(  # of the rectified image, published beside it in lib-dt-computer-vision, test_calibration.py
-        [[201.140274, 0.0, 319.558662], [0.0, 239.743988, 237.601510], [0.0, 0.0, 1.0]]
-    )
-)
+TTIC = Path(__file__).with_name("ttic_camera.yaml")
 TAG_SIZE = 0.065  # m
 TAG_CAMERA = CameraModel(  # test_info.yaml beside the photos, which are rectified
     np.array([[329.873, 0.0, 528.0], [0.0, 332.946, 396.0], [0.0, 0.0, 1.0]]),
@@ -65,12 +56,10 @@ def chessboards(folder: str, pattern: str, board: BoardSpec) -> None:
 def floor_board() -> None:
     """Print the mount that one photo of a board on the floor gives."""
     image = read_photo(PHOTOS / "duckiebot-extrinsic" / "ttic_board.jpg")
-    found = calibrate_extrinsics(image, BoardSpec(7, 5, 0.031), TTIC, FLOOR_BOARD_OFFSET, TTIC_PROJECTION)
-    print(
-        f"ttic_board: height {found.mount.height:.4f} m, pitch {math.degrees(found.mount.pitch):.2f} deg; the "
-        f"principal point, as Duckietown's software takes it, meets the floor {found.principal_point_reach:.4f} m "
-        f"ahead of the axle (by hand: 0.40 m), the optical axis {found.axis_reach:.4f} m; fit {found.rms_px:.2f} px"
-    )
+    board, camera, projection = BoardSpec(7, 5, 0.031), read_intrinsics(TTIC), read_projection(TTIC)
+    found = calibrate_extrinsics(image, board, camera, FLOOR_BOARD_OFFSET, projection)
+    print("ttic_board (by hand: the principal point 0.40 m ahead)")
+    print("    " + extrinsics_text(found, camera, projection).replace("\n", "\n    "))
 
 
 def turned_tag() -> None:

@@ -17,7 +17,14 @@ from typer.core import TyperGroup
 
 from fsm_calib.errors import FsmCalibError
 
-COMMAND_MODULES: tuple[str, ...] = ("cli_run", "cli_recording", "cli_camera", "cli_diagnosis", "cli_study")
+COMMAND_MODULES: tuple[str, ...] = (
+    "cli_run",
+    "cli_recording",
+    "cli_camera",
+    "cli_extrinsics",
+    "cli_diagnosis",
+    "cli_study",
+)
 """Modules of this package with `register(app)`; each adds its commands to the command line."""
 
 LINEAR_ALGEBRA_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
