@@ -142,6 +142,13 @@ ALONG = (
     ("along_static", "static boards"),
     ("along_hand", "by hand"),
 )
+FINAL = (
+    ("scan", "static", "whole scan, static boards"),
+    ("stopped", "static", "default rule, static boards"),
+    ("hand", "free", "30 hand-held views"),
+)
+#: sd of the logarithm of true errors about one prediction [1], measured by camera_prediction_limit.py
+CHANCE = {"stopped": 0.51, "hand": 0.46}
 
 
 def table(rows: list[dict]) -> str:
@@ -198,16 +205,35 @@ def along_line(rows: list[dict], part: str, label: str) -> str:
 
 
 def together(rows: list[dict]) -> str:
-    """Return how prediction and truth agree over every camera of all runs and layouts that somebody would use."""
-    finals = [
-        final(rows, part, kind)
-        for part, kind in (("scan", "static"), ("stopped", "static"), ("hand", "free"))
-    ]
-    predicted, true = (np.concatenate([pair[side] for pair in finals]) for side in (0, 1))
-    lines = [f"\nfinal cameras of all layouts, with those by hand: {len(true)}, {agreement(predicted, true)}"]
+    """Return how prediction and truth agree over every camera on these runs, and over the final cameras alone."""
     points = np.array([point for row in rows for part, _ in ALONG for point in row[part]])
-    lines.append(f"all counts of views, all layouts: {len(points)}, {agreement(points[:, 1], points[:, 2])}")
+    ways = ", ".join(label for _, label in ALONG)
+    lines = [
+        f"\nover every camera on those runs, the first {COUNTS[0]} to {COUNTS[-1]} views solved each way ({ways}):",
+        f"    {in_words(points[:, 1], points[:, 2])}",
+        "final cameras alone, which stopped at about one prediction:",
+    ]
+    for part, kind, label in FINAL:
+        predicted, true = final(rows, part, kind)
+        lines.append(f"    {label}: {in_words(predicted, true)}{limit_in_words(predicted, part)}")
+    finals = [final(rows, part, kind) for part, kind, _ in FINAL]
+    predicted, true = (np.concatenate([pair[side] for pair in finals]) for side in (0, 1))
+    lines.append(f"    together: {in_words(predicted, true)}")
     return "\n".join(lines)
+
+
+def limit_in_words(predicted: np.ndarray, part: str) -> str:
+    """Return the largest log-correlation that chance leaves to a perfect prediction, where it was measured."""
+    if part not in CHANCE:
+        return ""
+    spread = float(np.std(np.log(predicted)))
+    return f"; chance leaves a perfect prediction {spread / math.hypot(spread, CHANCE[part]):.2f}"
+
+
+def in_words(predicted: np.ndarray, true: np.ndarray) -> str:
+    """Return `agreement` in words, with the number of cameras."""
+    correlation, within = agreement(predicted, true).split()
+    return f"{len(true)} cameras, log-correlation {correlation}, true within {WITHIN} x predicted in {within}"
 
 
 def plot(rows: list[dict], path: Path) -> None:
