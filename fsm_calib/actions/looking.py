@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import zlib
 
+import numpy as np
+
 from fsm_calib.actions.bench import Bench
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.turning import panorama
@@ -32,7 +34,7 @@ def look(bench: Bench) -> Frame | Outcome:
     if frame is None:
         notebook.unseen = True
         return FRAME_MISSING
-    mark = zlib.crc32(frame.image.tobytes())
+    mark = zlib.crc32(np.ascontiguousarray(frame.image).data)
     if mark == notebook.frame_mark:
         notebook.unseen = True
         return FRAME_FROZEN

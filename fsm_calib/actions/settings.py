@@ -13,6 +13,7 @@ from typing import Literal
 
 from fsm_calib.actions.settings_moving import DriveSettings, TurnSettings
 from fsm_calib.errors import InputError
+from fsm_calib.perception.information import DEFAULT_STOP
 from fsm_calib.types import BoardSpec
 
 HeadingSource = Literal["floor", "camera"]
@@ -135,10 +136,10 @@ class CameraSettings:
     sharp_share: float = 0.9
     least_sharpness: float = 0.08
     skip_focus: bool = False
-    target_px: float = 0.2
-    smallest_gain: float = 0.001
-    least_views_per_board: int = 8
-    least_views: int = 15
+    target_px: float = DEFAULT_STOP.predicted_px
+    smallest_gain: float = DEFAULT_STOP.smallest_gain
+    least_views_per_board: int = DEFAULT_STOP.views_per_board
+    least_views: int = DEFAULT_STOP.views
     standpoint_move: float = 0.12
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 from fsm_calib.errors import InputError
@@ -80,7 +80,8 @@ class Books:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the books as plain JSON values."""
-        return asdict(self)
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
+        return values | {"plan": list(self.plan), "failure": dict(self.failure)}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Books:

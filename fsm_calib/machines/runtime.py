@@ -13,7 +13,7 @@ from fsm_calib.errors import FsmCalibError, UnknownNameError
 from fsm_calib.machines.books import Books
 from fsm_calib.machines.compile import Model, compile_chart
 from fsm_calib.machines.limits import Limits
-from fsm_calib.machines.spec import SEPARATOR, State
+from fsm_calib.machines.spec import SEPARATOR, State, Transition
 from fsm_calib.machines.supervisor import PHASES, SUPERVISOR
 from fsm_calib.outcome import Outcome
 
@@ -167,8 +167,14 @@ def leaves() -> dict[str, State]:
 
 
 @cache
+def _transitions() -> tuple[Transition, ...]:
+    """Return every transition of the whole machine."""
+    return tuple(SUPERVISOR.all_transitions())
+
+
+@cache
 def declared(state: str) -> tuple[str, ...]:
     """Return the outcomes declared for the leaf `state`, those of the states around it included, sorted."""
     parts = state.split(SEPARATOR)
     around = {SEPARATOR.join(parts[:n]) for n in range(1, len(parts) + 1)}
-    return tuple(sorted({edge.trigger for edge in SUPERVISOR.all_transitions() if edge.source in around}))
+    return tuple(sorted({edge.trigger for edge in _transitions() if edge.source in around}))

@@ -50,10 +50,10 @@ class StopRule:
         0 accepts every view.
     """
 
-    predicted_px: float = 0.5
+    predicted_px: float = 0.2
     views_per_board: int = 8
     views: int = 15
-    smallest_gain: float = 0.005
+    smallest_gain: float = 0.001
 
 
 DEFAULT_STOP = StopRule()

@@ -86,22 +86,27 @@ def _imports(bare: bool) -> str:
 def _stages(bare: bool) -> str:
     """Return the text of begin, shape, delay and step with the hooks in their places.
 
-    A robot without any effect that acts in a step asks once a step, not once an effect.
+    A robot without any effect that acts in a step asks once a step, not once an effect; the bare one not at all.
     """
     njit = "@njit(**ARITHMETIC{})\n"
     kept, plain = njit.format(", cache=True"), njit.format("")
-    any_on = " or ".join(f"on[{flag_places()[effect.name]}]" for effect in _hooked("step", bare)) or "False"
+    any_on = " or ".join(f"on[{flag_places()[effect.name]}]" for effect in _hooked("step", bare))
+    noted = f"    W[HOOKED] = 1.0 if {any_on} else 0.0\n" if any_on else ""
+    hooks = (
+        f"    if W[HOOKED] > 0.0:\n{_calls('step', bare, '{name}(P, {o}, S, {m}, W)', '        ')}"
+        if any_on
+        else ""
+    )
     return (
         f"{kept}def begin(P, on, W):\n    begin_base(P, W)\n"
         f"{_calls('begin', bare, '{name}(P, {o}, W)')}    share_load(P, W)\n"
-        f"    W[HOOKED] = 1.0 if {any_on} else 0.0\n\n\n"
+        f"{noted}\n\n"
         f"{kept}def shape(P, on, u, side):\n"
         f"{_calls('shape', bare, 'u = {name}(P, {o}, u, side)')}    return u\n\n\n"
         f"{kept}def delay(P, on):\n    late = 0.0\n"
         f"{_calls('delay', bare, 'late += {name}(P, {o})')}    return late\n\n\n"
-        f"{plain}def step(P, on, S, W):\n    begin_step(P, W)\n    if W[HOOKED] > 0.0:\n        pass\n"
-        f"{_calls('step', bare, '{name}(P, {o}, S, {m}, W)', '        ')}"
-        "    add_tyres(S, W)\n    finish_step(S, W)\n    place_robot(S, W)\n\n\n"
+        f"{plain}def step(P, on, S, W):\n    begin_step(P, W)\n"
+        f"{hooks}    add_tyres(S, W)\n    finish_step(S, W)\n    place_robot(S, W)\n\n\n"
     )
 
 
