@@ -11,8 +11,10 @@ from typer.testing import CliRunner
 
 from fsm_calib.cli import app
 from fsm_calib.report.study_blocks import Plot
+from fsm_calib.report.study_content import content_of
 from fsm_calib.report.study_files import replaced, write_page, write_study
 from fsm_calib.study.columns import rounded, rows_of
+from fsm_calib.study.fleet import CommandCost
 from fsm_calib.study.models import Study
 from fsm_calib.study.summary import conclusion, summarise
 
@@ -199,3 +201,10 @@ def test_a_command_that_is_asked_to_stop_says_how_to_go_on(tmp_path):
     assert process.returncode == 1
     assert "stopped by SIGTERM. Give the same command to go on." in said
     assert not (out / "results.jsonl").exists()
+
+
+@pytest.mark.parametrize(("workers", "said"), [(1, "50 h with 1 worker."), (2, "50 h with 2 workers.")])
+def test_the_pace_of_a_fleet_is_that_of_its_longest_command(workers, said):
+    costs = [CommandCost(20, 360.0, 360.0, workers), CommandCost(2, 7200.0, 7200.0, 4)]
+    text = content_of(summarise(study(), [row(robot) for robot in range(20)]), costs).text()
+    assert f"At this pace 10000 robots take {said}" in text

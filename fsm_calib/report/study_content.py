@@ -228,7 +228,8 @@ def _cost(summary: Summary, costs: Sequence[CommandCost]) -> Iterable[Block]:
         yield _commands(costs)
         best = max(costs, key=lambda cost: cost.robots)
         hours = HOURS_OF / best.robots_per_hour
-        yield Paragraph(f"At this pace {HOURS_OF} robots take {hours:.0f} h with {best.workers} workers.")
+        workers = "1 worker" if best.workers == 1 else f"{best.workers} workers"
+        yield Paragraph(f"At this pace {HOURS_OF} robots take {hours:.0f} h with {workers}.")
 
 
 def _commands(costs: Sequence[CommandCost]) -> Table:
