@@ -80,9 +80,10 @@ def _floor_pixels(
     mask: NDArray, camera: CameraModel, mount: CameraMount, settings: LaneSettings
 ) -> FloatArray:
     """Return floor points (n, 2) [m] of the set pixels inside the range, thinned evenly."""
-    rows, columns = np.nonzero(mask)
-    step = max(1, rows.size // (4 * settings.most_points))
-    points = floor_points(np.column_stack([columns[::step], rows[::step]]), camera, mount)
+    places = np.flatnonzero(mask)
+    step = max(1, places.size // (4 * settings.most_points))
+    rows, columns = np.divmod(places[::step], mask.shape[1])
+    points = floor_points(np.column_stack([columns, rows]), camera, mount)
     ahead = (points[:, 0] > settings.nearest) & (points[:, 0] < settings.farthest)
     points = points[ahead & (np.abs(points[:, 1]) < settings.farthest)]
     return points[:: max(1, len(points) // settings.most_points)]

@@ -49,26 +49,49 @@ def radial_factor(vector: FloatArray, r2: FloatArray) -> tuple[FloatArray, Float
     """Return the factor c, dc/dr2 and the denominator at squared radii `r2` [1], each of the shape of
     `r2`.
     """
-    k1, k2, _, _, k3, k4, k5, k6 = vector[4:12]
+    factor, below = _factor(vector, r2)
+    return factor, _slope(vector, r2, factor, below), below
+
+
+def _factor(vector: FloatArray, r2: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the factor c and its denominator."""
+    k1, k2, _, _, k3, k4, k5, k6 = vector[4:12].tolist()
     above = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
     below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))
-    factor = above / below
+    return above / below, below
+
+
+def _slope(vector: FloatArray, r2: FloatArray, factor: FloatArray, below: FloatArray) -> FloatArray:
+    """Return dc/dr2."""
+    k1, k2, _, _, k3, k4, k5, k6 = vector[4:12].tolist()
     slope = k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3) - factor * (k4 + r2 * (2.0 * k5 + 3.0 * r2 * k6))
-    return factor, slope / below, below
+    return np.asarray(slope / below)
 
 
-def distort(vector: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return distorted x, y [1] and their derivative by (x, y), shapes (...), (...), (..., 2, 2)."""
-    p1, p2 = vector[6], vector[7]
-    factor, slope, _ = radial_factor(vector, x * x + y * y)
+def distort(vector: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return distorted x, y [1] of rays x, y [1], in their shape."""
+    return _distorted(vector, x, y, _factor(vector, x * x + y * y)[0])
+
+
+def _distorted(
+    vector: FloatArray, x: FloatArray, y: FloatArray, factor: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return distorted x, y [1] of rays whose radial factor is known."""
+    p1, p2 = vector[6:8].tolist()
     distorted_x = factor * x + 2.0 * p1 * x * y + p2 * (3.0 * x * x + y * y)
     distorted_y = factor * y + p1 * (x * x + 3.0 * y * y) + 2.0 * p2 * x * y
+    return distorted_x, distorted_y
+
+
+def _by_ray(
+    vector: FloatArray, x: FloatArray, y: FloatArray, factor: FloatArray, slope: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the derivative of distorted (x, y) by (x, y), which is symmetric: by x of x, of y, and by y of y."""
+    p1, p2 = vector[6:8].tolist()
+    first = factor + 2.0 * slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x
     cross = 2.0 * (slope * x * y + p1 * x + p2 * y)
-    derivative = np.empty((*np.shape(x), 2, 2))
-    derivative[..., 0, 0] = factor + 2.0 * slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x
-    derivative[..., 0, 1] = derivative[..., 1, 0] = cross
-    derivative[..., 1, 1] = factor + 2.0 * slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x
-    return distorted_x, distorted_y, derivative
+    second = factor + 2.0 * slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x
+    return first, cross, second
 
 
 def _perspective(points_camera: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -79,7 +102,7 @@ def _perspective(points_camera: FloatArray) -> tuple[FloatArray, FloatArray, Flo
 def project(vector: FloatArray, points_camera: FloatArray) -> FloatArray:
     """Return image points, shape (..., 2) [px], of `points_camera`, shape (..., 3) [m]."""
     x, y, _ = _perspective(points_camera)
-    distorted_x, distorted_y, _ = distort(vector, x, y)
+    distorted_x, distorted_y = distort(vector, x, y)
     return np.stack([vector[0] * distorted_x + vector[2], vector[1] * distorted_y + vector[3]], axis=-1)
 
 
@@ -91,9 +114,14 @@ def project_with_derivatives(
     Shapes: points_camera (..., 3) [m] -> (..., 2) [px], (..., 2, 3) [px/m], (..., 2, 12) [px per unit].
     """
     x, y, depth = _perspective(points_camera)
-    distorted_x, distorted_y, by_ray = distort(vector, x, y)
+    factor, slope, _ = radial_factor(vector, x * x + y * y)
+    distorted_x, distorted_y = _distorted(vector, x, y, factor)
     focal = vector[:2]
     image = np.stack([distorted_x, distorted_y], axis=-1) * focal + vector[2:4]
+    by_ray = np.empty((*x.shape, 2, 2))
+    first, cross, second = _by_ray(vector, x, y, factor, slope)
+    by_ray[..., 0, 0], by_ray[..., 1, 1] = first, second
+    by_ray[..., 0, 1] = by_ray[..., 1, 0] = cross
     by_ray = by_ray * focal[:, None]
     by_point = np.empty((*x.shape, 2, 3))
     by_point[..., :2] = by_ray / depth[..., None, None]
@@ -105,7 +133,7 @@ def _by_intrinsics(
     vector: FloatArray, x: FloatArray, y: FloatArray, distorted_x: FloatArray, distorted_y: FloatArray
 ) -> FloatArray:
     r2 = x * x + y * y
-    factor, _, below = radial_factor(vector, r2)
+    factor, below = _factor(vector, r2)
     result = np.zeros((*x.shape, 2, 12))
     result[..., 0, 0], result[..., 1, 1] = distorted_x, distorted_y
     result[..., 0, 2] = result[..., 1, 3] = 1.0
@@ -127,26 +155,32 @@ def unproject(vector: FloatArray, image: FloatArray) -> FloatArray:
     ray of the fold.
     """
     distorted = (np.asarray(image, dtype=float) - vector[2:4]) / vector[:2]
-    radius = np.linalg.norm(distorted, axis=-1)
-    ray = distorted * (_undistorted_radius(vector, radius) / np.maximum(radius, 1e-12))[..., None]
+    wanted_x, wanted_y = np.ascontiguousarray(np.moveaxis(distorted, -1, 0))
+    radius = np.sqrt(wanted_x * wanted_x + wanted_y * wanted_y)
+    start = _undistorted_radius(vector, radius) / np.maximum(radius, 1e-12)
+    x, y = wanted_x * start, wanted_y * start
     for _ in range(_INVERSE_STEPS):
-        x, y, derivative = distort(vector, ray[..., 0], ray[..., 1])
-        error = np.stack([x, y], axis=-1) - distorted
-        if float(np.max(np.abs(error), initial=0.0)) < 1e-10:
+        r2 = x * x + y * y
+        factor, below = _factor(vector, r2)
+        distorted_x, distorted_y = _distorted(vector, x, y, factor)
+        error_x, error_y = distorted_x - wanted_x, distorted_y - wanted_y
+        if float(np.max(np.maximum(np.abs(error_x), np.abs(error_y)), initial=0.0)) < 1e-10:
             break
-        step = _solve_2x2(derivative, error)
-        length = np.linalg.norm(step, axis=-1, keepdims=True)
-        ray = ray - step * np.minimum(1.0, _LONGEST_STEP / np.maximum(length, 1e-300))
-    return ray
+        derivative = _by_ray(vector, x, y, factor, _slope(vector, r2, factor, below))
+        step_x, step_y = _solve_2x2(*derivative, error_x, error_y)
+        length = np.sqrt(step_x * step_x + step_y * step_y)
+        share = np.minimum(1.0, _LONGEST_STEP / np.maximum(length, 1e-300))
+        x, y = x - step_x * share, y - step_y * share
+    return np.stack([x, y], axis=-1)
 
 
-def _solve_2x2(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    a, b, c, d = matrix[..., 0, 0], matrix[..., 0, 1], matrix[..., 1, 0], matrix[..., 1, 1]
-    determinant = a * d - b * c
+def _solve_2x2(
+    first: FloatArray, cross: FloatArray, second: FloatArray, right_x: FloatArray, right_y: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the solutions of symmetric equations [[first, cross], [cross, second]] s = right, one an element."""
+    determinant = first * second - cross * cross
     safe = np.where(np.abs(determinant) < 1e-6, 1e-6, determinant)
-    first = d * right[..., 0] - b * right[..., 1]
-    second = a * right[..., 1] - c * right[..., 0]
-    return np.stack([first, second], axis=-1) / safe[..., None]
+    return (second * right_x - cross * right_y) / safe, (first * right_y - cross * right_x) / safe
 
 
 def _radial_curve(vector: FloatArray) -> tuple[FloatArray, FloatArray]:
