@@ -85,8 +85,8 @@ def make_texture(image: Image, scale: float) -> Texture:
     if image.ndim == 2:
         return Texture(halvings(image), None, scale)
     planes = cv2.cvtColor(image, cv2.COLOR_BGR2YCrCb)
-    luma, chroma = np.ascontiguousarray(planes[..., 0]), np.ascontiguousarray(planes[..., 1:])
-    return Texture(halvings(luma), halvings(chroma), scale)
+    luma, *chroma = cv2.split(planes)
+    return Texture(halvings(luma), halvings(cv2.merge(chroma)), scale)
 
 
 @lru_cache(maxsize=16)

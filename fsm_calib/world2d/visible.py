@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.lens import RayTable, distort_rays
@@ -104,8 +108,10 @@ def _project_boxes(table: RayTable, outlines: FloatArray) -> list[RealBox]:
 
 def _search_box(table: RayTable, plane_from_ray: FloatArray, size: FloatArray) -> RealBox | None:
     """Return the image box of a rectangle that reaches behind the camera, by asking a coarse grid of rays."""
-    rays = table.rays[1:-1:_COARSE, 1:-1:_COARSE]
-    a, b, w = np.moveaxis(rays @ plane_from_ray[:, :2].T.astype(np.float32) + plane_from_ray[:, 2], -1, 0)
+    rays = _coarse_rays(table)
+    a, b, w = (
+        plane_from_ray[:, :2].astype(np.float32) @ rays.reshape(2, -1) + plane_from_ray[:, 2:]
+    ).reshape(3, *rays.shape[1:])
     slack = 0.02 * w  # m; a surface narrower than the grid must not slip through
     hit = (w > 0) & (a >= -slack) & (b >= -slack) & (a <= size[0] * w + slack) & (b <= size[1] * w + slack)
     rows, columns = np.flatnonzero(hit.any(axis=1)), np.flatnonzero(hit.any(axis=0))
@@ -115,13 +121,19 @@ def _search_box(table: RayTable, plane_from_ray: FloatArray, size: FloatArray) -
     return low_x, low_y, (columns[-1] + 2) * _COARSE, (rows[-1] + 2) * _COARSE
 
 
+@lru_cache(maxsize=8)
+def _coarse_rays(table: RayTable) -> NDArray[Any]:
+    """Return the coarse grid of rays, x and y apart, shape (2, rows, columns)."""
+    return np.ascontiguousarray(np.moveaxis(table.rays[1:-1:_COARSE, 1:-1:_COARSE], -1, 0))
+
+
 def _clip(box: RealBox | None, table: RayTable, low: float) -> Box | None:
     """Round a box outwards and cut it at the image; None when nothing worth drawing is left."""
     if box is None or box[3] - box[1] < low or box[2] - box[0] < _SMALLEST:
         return None
-    x0, y0 = max(0, int(np.floor(box[0])) - 1), max(0, int(np.floor(box[1])) - 1)
-    x1 = min(table.camera.width, int(np.ceil(box[2])) + 2)
-    y1 = min(table.camera.height, int(np.ceil(box[3])) + 2)
+    x0, y0 = max(0, math.floor(box[0]) - 1), max(0, math.floor(box[1]) - 1)
+    x1 = min(table.camera.width, math.ceil(box[2]) + 2)
+    y1 = min(table.camera.height, math.ceil(box[3]) + 2)
     return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
 
 
