@@ -11,12 +11,12 @@ from typer.testing import CliRunner
 
 from fsm_calib.cli import app
 from fsm_calib.report.study_blocks import Plot
-from fsm_calib.report.study_content import content_of
+from fsm_calib.report.study_content import content_of, largest
 from fsm_calib.report.study_files import replaced, write_page, write_study
 from fsm_calib.study.columns import rounded, rows_of
 from fsm_calib.study.fleet import CommandCost
 from fsm_calib.study.models import Study
-from fsm_calib.study.summary import conclusion, summarise
+from fsm_calib.study.summary import conclusion, deviation_figures, summarise
 
 
 def camera(error, paper):
@@ -208,3 +208,8 @@ def test_the_pace_of_a_fleet_is_that_of_its_longest_command(workers, said):
     costs = [CommandCost(20, 360.0, 360.0, workers), CommandCost(2, 7200.0, 7200.0, 4)]
     text = content_of(summarise(study(), [row(robot) for robot in range(20)]), costs).text()
     assert f"At this pace 10000 robots take {said}" in text
+
+
+def test_where_no_robot_finished_there_is_no_largest_deviation():
+    assert largest(deviation_figures(np.full(3, np.nan), np.random.default_rng(0))) == "-"
+    assert largest(deviation_figures(np.array([0.011, -0.02]), np.random.default_rng(0))) == "2.0"

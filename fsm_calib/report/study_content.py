@@ -60,6 +60,11 @@ def per_cent(estimate: Estimate) -> str:
     return f"{interval(estimate, 100.0, 1)} %" if estimate.count else "-"
 
 
+def largest(item: DeviationFigures) -> str:
+    """Return the largest deviation [cm], or a dash where no robot has a result."""
+    return f"{100.0 * item.largest:.1f}" if item.passing.count else "-"
+
+
 def _camera(summary: Summary) -> Iterable[Block]:
     if not summary.cameras:
         return
@@ -127,7 +132,7 @@ def deviation_cells(item: DeviationFigures) -> tuple[str, ...]:
     return (
         interval(item.mean, 100.0, sign="+"),
         interval(item.median_size, 100.0),
-        f"{100.0 * item.largest:.1f}",
+        largest(item),
         per_cent(item.passing),
         per_cent(item.passing_rounded),
         per_cent(item.finished),
@@ -185,7 +190,7 @@ def _variant_table(title: str, names: Sequence[str], items: Sequence[VariantFigu
             name,
             interval(item.deviation.median_size, 100.0),
             interval(item.added, 100.0, sign="+"),
-            f"{100.0 * item.deviation.largest:.1f}",
+            largest(item.deviation),
             per_cent(item.deviation.passing),
             _finished(item.deviation),
             interval(item.iterations, digits=0),
@@ -194,7 +199,7 @@ def _variant_table(title: str, names: Sequence[str], items: Sequence[VariantFigu
         for name, item in zip(names, items, strict=True)
     ]
     before = items[0].base_deviation
-    first = ("none", interval(before.median_size, 100.0), "-", f"{100.0 * before.largest:.1f}")
+    first = ("none", interval(before.median_size, 100.0), "-", largest(before))
     return Table(header, [(*first, per_cent(before.passing), _finished(before), "-", "-"), *rows])
 
 
