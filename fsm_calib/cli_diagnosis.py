@@ -107,9 +107,11 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
     """Return the verdict as lines of text."""
     lines = [f"{plain['verdict']}: {plain['reason']}"]
     for effect in plain["effects"]:
-        lines.append(f"  {effect['name']} (confidence {effect['confidence']:.2f}): {effect['sentence']}")
+        names = next((group for group in plain["ambiguous"] if effect["name"] in group), [effect["name"]])
+        either = " or ".join(sorted(names, key=lambda name: name != effect["name"]))
+        lines.append(f"  {either} (confidence {effect['confidence']:.2f}): {effect['sentence']}")
     for group in plain["ambiguous"]:
-        lines.append(f"  cannot be told apart: {', '.join(group)}")
+        lines.append(f"  cannot be told apart: {', '.join(group)}; the numbers are of the first")
     located = plain["located"]
     if plain["verdict"] != "match":
         where = f", around {located['where']}" if located["where"] else ""

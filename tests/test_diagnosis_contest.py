@@ -13,7 +13,7 @@ from fsm_calib.diagnosis.fit import Engine, jacobian
 from fsm_calib.diagnosis.forms import RECIPES, forms, lagged
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.hypotheses import Hypothesis
-from fsm_calib.diagnosis.plausible import is_plausible
+from fsm_calib.diagnosis.plausible import has_size, is_plausible
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.response import driven
 from fsm_calib.diagnosis.simulator import make_simulator
@@ -97,6 +97,26 @@ def test_a_place_that_covers_the_floor_is_none():
     narrow = replace(wide, fit=replace(base, values=values))
     assert not is_plausible(wide, engine.simulators)
     assert is_plausible(narrow, engine.simulators)
+
+
+def at_value(fit, effect, name, value):
+    values = fit.values.copy()
+    values[:, parameter_table().place(f"{effect}.{name}")] = value
+    return Ranked(Hypothesis(effect, (name,)), replace(fit, values=values), 100.0, 60.0)
+
+
+@pytest.mark.parametrize(
+    ("effect", "name", "value", "holds"),
+    [
+        ("motor_warmup", "change_left", -0.6, False),
+        ("motor_warmup", "change_left", -0.3, True),
+        ("motor_fault", "loss_left", 1.0, True),  # a dead motor is where nature ends
+        ("coulomb_friction", "friction", 0.0, True),  # at rest at nothing at all
+    ],
+)
+def test_a_size_at_its_bound_is_none(saturated, effect, name, value, holds):
+    _, base, _ = saturated
+    assert has_size(at_value(base, effect, name, value)) is holds
 
 
 def test_switching_off_takes_strengths_alone(saturated):

@@ -84,3 +84,19 @@ def test_two_outliers_in_a_row_are_no_marker():
 def test_the_jumps_of_a_plain_robot_are_noise():
     bank = bank_of(recording(0))
     assert all(disc.promise < 25.0 for disc in discs_of(bank))
+
+
+def test_a_push_is_found_and_stands_out_from_other_moments():
+    push = {"external_push__impulse_turn": 0.06, "external_push__start": 15.2}
+    bank = bank_of(recording(0, **push), recording(1))
+    best = bank.scanner.pushes()[0]
+    assert best.run == 0
+    assert best.changes["external_push.start"] == pytest.approx(
+        15.2, abs=0.4
+    )  # a step and a half of the scan
+    assert best.promise > 3.0 * best.elsewhere > 0.0
+
+
+def test_without_a_push_no_moment_stands_out():
+    best = bank_of(recording(0), recording(1)).scanner.pushes()[0]
+    assert best.promise < 2.5 * best.elsewhere

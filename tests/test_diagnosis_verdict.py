@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
+from fsm_calib.cli_diagnosis import summary_lines
 from fsm_calib.diagnosis.decide import Judge
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.doubt import with_doubt
@@ -102,3 +103,15 @@ def test_forces_carry_the_doubt_of_the_mass():
 
 def test_a_number_that_the_data_cannot_tell_has_no_interval():
     assert np.isnan(with_doubt(registry()["command_delay"], "delay", 0.1, 0.0))
+
+
+def test_a_name_that_cannot_be_told_from_another_is_as_sure_as_both_together():
+    delays = ("command_delay", "observation_delay")
+    trains = [recording(seed, command_delay__delay=0.1) for seed in (0, 1)]
+    verdict = diagnose(trains, without=tuple(set(registry()) - set(delays))).verdict
+    assert set(verdict.ambiguous[0]) == set(delays)
+    assert verdict.effects[0].confidence > 0.9
+    lines = summary_lines(verdict.as_json())
+    assert any(
+        "command_delay or observation_delay" in x or "observation_delay or command_delay" in x for x in lines
+    )

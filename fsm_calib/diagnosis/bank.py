@@ -160,7 +160,7 @@ class Bank:
                     continue
                 if given & strengths and len(set(names) & strengths) > len(given & strengths):
                     continue  # the larger form is tried only where the scan asked for it
-                hypothesis = Hypothesis(effect.name, names, candidate.run)
+                hypothesis = Hypothesis(effect.name, names, candidate.run, candidate.elsewhere)
                 choices = declared_starts(hypothesis, candidate.changes)
                 choices = [{**choice, **candidate.changes} for choice in choices]
                 plans.append((hypothesis, self.prober.best_starts(hypothesis, choices, 1)))

@@ -39,7 +39,7 @@ def joint_confidence(names: Sequence[str], pool: Sequence[Ranked], model: Model,
 def _unnamed(model: Model, gates: Gates) -> list[float]:
     """Return log odds of un-named forms, instead of the name and beside it; none where the name rules in spite."""
     against = model.contest
-    if against is None or not model.sound(gates):
+    if against is None or model.rules(gates) or not model.sound(gates):
         return []
     margins = (against.surplus(gates), against.beside - against.allowed(gates))
     return [0.5 * margin / FORM_TEMPER for margin in margins]

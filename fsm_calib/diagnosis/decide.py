@@ -20,9 +20,11 @@ from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, adequacy, indistinguishable
 from fsm_calib.diagnosis.heldout import error_left
 from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, hypotheses_of, shown_by, with_values
-from fsm_calib.diagnosis.locate import Location, locate
+from fsm_calib.diagnosis.locate import SIGNIFICANT, Location, locate
 from fsm_calib.diagnosis.model import Model
+from fsm_calib.diagnosis.moments import timed
 from fsm_calib.diagnosis.pairs import survivor
+from fsm_calib.diagnosis.placing import placed
 from fsm_calib.diagnosis.plausible import is_plausible
 from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.diagnosis.situation import situation
@@ -84,7 +86,7 @@ class Judge:
         ranking = self._polish(bank.rank(self.effects, self.progress), base)
         self.timed("catalogue", began)
         plain = Model((), base, adequacy(location.tests, 0.0), (), location.tests)
-        ranking = [r for r in ranking if is_plausible(r, self.engine.simulators)]
+        ranking = [r for r in ranking if is_plausible(r, self.engine.simulators) and self._stands_out(r)]
         if not ranking or ranking[0].evidence < self._detect():
             return self._without_name(plain, base, ranking, location, bank)
         first = self._model((ranking[0],), ranking[0].fit, base)
@@ -92,7 +94,13 @@ class Judge:
         model = first
         if not (first.adequacy.surprise < self.gates.curious and first.sound(self.gates)):
             model, second_ranking = self._second(first, ranking, base)
-        outcome, reason = self._judge(model, base, ranking)
+        model = replace(model, error_left=error_left(self.engine.simulators, base, model.fit))
+        outcome, reason = self._judge(model, ranking)
+        if outcome == "explained":
+            began = perf_counter()
+            fit = placed(self.engine, model.fit, model.effects, self.rng)
+            model = replace(model, fit=timed(self.engine, fit, model.effects))
+            self.timed("place and moment", began)
         return Decision(
             outcome, reason, self.engine, base, model, tuple(ranking), second_ranking, location, bank, self.seconds
         )  # fmt: skip
@@ -100,6 +108,11 @@ class Judge:
     def _detect(self) -> float:
         encoders = any(s.prepared.has_encoders for s in self.engine.simulators)
         return self.gates.detect_encoders if encoders else self.gates.detect
+
+    def _stands_out(self, ranked: Ranked) -> bool:
+        """Return whether an event wins clearly more than other moments do; True where no moment was sought."""
+        elsewhere = ranked.hypothesis.elsewhere
+        return elsewhere <= 0.0 or ranked.evidence >= self._detect() + 2.0 * elsewhere
 
     def _polish(self, ranking: list[Ranked], base: Fit) -> list[Ranked]:
         """Fit the leaders with fresh Jacobians; sort again."""
@@ -135,7 +148,8 @@ class Judge:
         wanted = max(self.gates.second, self.gates.second_share * first.effects[0].evidence)
         bank = Bank.on(self.engine, first.fit, wanted)
         others = [e for e in self.effects if e.name != first.effects[0].name]
-        found = [r for r in bank.rank(others, self.progress) if is_plausible(r, self.engine.simulators)]
+        found = bank.rank(others, self.progress)
+        found = [r for r in found if is_plausible(r, self.engine.simulators) and self._stands_out(r)]
         self.timed("second effect", began)
         if not found or found[0].evidence < wanted:
             return first, tuple(found)
@@ -181,7 +195,7 @@ class Judge:
         plain = replace(plain, contest=against)
         outcome: Outcome = "match"
         reason = "the re-fitted base robot explains the recordings to within their noise"
-        if left.surprise > self.gates.unexplained_surprise:
+        if left.surprise > self.gates.unexplained_surprise and location.p_value < SIGNIFICANT:
             outcome = "unexplained"
             reason = f"the residual depends on {left.group} (10^-{left.surprise:.0f} by chance), no effect explains it"
         elif not against.loose and against.misshapen(self.gates):
@@ -194,17 +208,15 @@ class Judge:
             outcome, reason, self.engine, base, plain, tuple(ranking), (), location, bank, self.seconds
         )
 
-    def _judge(self, model: Model, base: Fit, ranking: Sequence[Ranked]) -> tuple[Outcome, str]:
+    def _judge(self, model: Model, ranking: Sequence[Ranked]) -> tuple[Outcome, str]:
         """Pass the model through the gates."""
-        left = model.adequacy
-        share = error_left(self.engine.simulators, base, model.fit)
-        dominant = share < self.gates.dominant
+        left, dominant = model.adequacy, model.error_left < self.gates.dominant
         if not left.passes(self.gates) and not dominant:
             return "unexplained", (
                 f"the best explanation leaves structure in {left.group} (10^-{left.surprise:.0f} by chance, "
                 f"{100 * left.share:.0f} % of what it explains)"
             )
-        if not (model.sound(self.gates) or share < self.gates.ruling):
+        if not (model.sound(self.gates) or model.rules(self.gates)):
             return "unexplained", model.complaint(self.gates)
         if model.gains and (sum(model.gains) <= 0.0 or min(model.gains) < WORST_RECORDING):
             return (

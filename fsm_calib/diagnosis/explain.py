@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fsm_calib.diagnosis.bank import Ranked
-from fsm_calib.diagnosis.belief import confidence
+from fsm_calib.diagnosis.belief import confidence, joint_confidence
 from fsm_calib.diagnosis.decide import Decision, smallest_sizes
 from fsm_calib.diagnosis.doubt import with_doubt
 from fsm_calib.diagnosis.fit import ALL_RUNS, Fit
@@ -36,7 +36,7 @@ def verdict_of(
     sets = ambiguous_sets(decision, gates)
     return Verdict(
         verdict=decision.outcome,
-        effects=tuple(_named(e, decision, i, gates) for i, e in enumerate(effects)),
+        effects=tuple(_named(e, decision, i, sets, gates) for i, e in enumerate(effects)),
         ambiguous=sets,
         located=located(decision),
         horizon=horizon,
@@ -90,11 +90,18 @@ def sentence(effect: Effect, numbers: dict[str, Estimate]) -> str:
     return effect.sentence.format(**said)
 
 
-def _named(ranked: Ranked, decision: Decision, order: int, gates: Gates) -> NamedEffect:
+def _named(
+    ranked: Ranked, decision: Decision, order: int, sets: tuple[tuple[str, ...], ...], gates: Gates
+) -> NamedEffect:
+    """Return the effect with its numbers; one of a set that cannot be told apart is as sure as the whole set."""
     effect = registry()[ranked.name]
     numbers = estimates(ranked, decision.model.fit)
     pool = decision.ranking if order == 0 else decision.second_ranking
-    sure = confidence(ranked.name, ranked.evidence, pool, decision.model, gates)
+    names = next((names for names in sets if order == 0 and ranked.name in names), ())
+    if names:
+        sure = joint_confidence(names, pool, decision.model, gates)
+    else:
+        sure = confidence(ranked.name, ranked.evidence, pool, decision.model, gates)
     return NamedEffect(ranked.name, sure, numbers, sentence(effect, numbers))
 
 

@@ -130,6 +130,19 @@ def _other_wheel(f: Frame) -> FloatArray:
     return f.drive(from_other(f.s.left, f.s.right), from_other(f.s.right, f.s.left))
 
 
+def _pivot(f: Frame) -> FloatArray:
+    """Return what happens while one wheel drives and the other stands: of the driven wheel, the body, the turning."""
+    left, right = (np.abs(u) > AT_REST for u in (f.s.left, f.s.right))
+    alone = (left != right)[:, None]
+
+    def driven_alone(own: FloatArray) -> FloatArray:
+        return f.full * alone * np.column_stack([own, np.sign(own) * (np.abs(own) > AT_REST)])
+
+    body = f.forward(alone * sign(f.s.v)[:, None])
+    turn = f.turn(alone * sign(f.s.half * f.s.omega)[:, None] / f.s.half)
+    return np.concatenate([f.drive(driven_alone(f.s.left), driven_alone(f.s.right)), body, turn], axis=2)
+
+
 def _time(f: Frame) -> FloatArray:
     time = powers(f.s.time / MINUTE, 3)
     left, right = f.full * f.s.left[:, None] * time, f.full * f.s.right[:, None] * time
@@ -170,10 +183,13 @@ def _speed(f: Frame) -> FloatArray:
 
 
 def _curves(f: Frame) -> FloatArray:
+    """Return products of speed and turning, and a dry drag of one size that both have to share."""
     s, rim = f.s, f.s.half * f.s.omega
     forward = np.column_stack([s.v * np.abs(rim), sign(s.v) * np.abs(rim), rim * s.omega, rim])
     turn = np.column_stack([rim * np.abs(s.v), sign(rim) * np.abs(s.v), s.v * rim, s.v]) / s.half
-    return np.concatenate([f.forward(forward), f.turn(turn)], axis=2)
+    whole = np.sqrt(s.v**2 + rim**2 + DRY_SPEED**2)
+    shared = f.forward((s.v / whole)[:, None]), f.turn((rim / whole)[:, None] / s.half)
+    return np.concatenate([f.forward(forward), f.turn(turn), *shared], axis=2)
 
 
 def _heading(f: Frame) -> FloatArray:
@@ -229,6 +245,7 @@ RECIPES: dict[str, Callable[[Frame], FloatArray]] = {
     "the command's size": _command,
     "the load of both motors": _load,
     "the other wheel's command": _other_wheel,
+    "whether one wheel stands": _pivot,
     "the time": _time,
     "the work done": _work,
     "braking": _braking,

@@ -30,11 +30,15 @@ LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """One form of one effect: the parameters it frees; `run` for an event of one recording, else -1."""
+    """One form of one effect: the parameters it frees; `run` for an event of one recording, else -1.
+
+    elsewhere : log-likelihood that the best other moment promises; an event has to stand out from it.
+    """
 
     effect: str
     names: tuple[str, ...]
     run: int = ALL_RUNS
+    elsewhere: float = 0.0
 
     @property
     def full_names(self) -> tuple[str, ...]:

@@ -16,7 +16,8 @@ class Model:
     """A base robot with zero, one or two effects.
 
     effects, fit; adequacy : what is left; gains : what it wins on other recordings; tests : of all feature groups;
-    contest : how un-named forms do against the effects, None without effects.
+    contest : how un-named forms do against the effects, None without effects; error_left : share of the base's error
+    over the horizon.
     """
 
     effects: tuple[Ranked, ...]
@@ -25,11 +26,16 @@ class Model:
     gains: tuple[float, ...]
     tests: tuple[LeftOver, ...]
     contest: Contest | None = None
+    error_left: float = 1.0
 
     def sound(self, gates: Gates) -> bool:
         """Return whether no form without a name does better than the effects."""
         against = self.contest
         return against is None or not (against.replaceable(gates) or against.misshapen(gates))
+
+    def rules(self, gates: Gates) -> bool:
+        """Return whether the effects leave so little of the error that forms have no say."""
+        return self.error_left < gates.ruling
 
     def complaint(self, gates: Gates) -> str:
         """Return in words which form without a name does better."""

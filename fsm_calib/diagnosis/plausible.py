@@ -1,7 +1,9 @@
-"""Is a fitted effect what its name says? A place is somewhere that the robot also leaves.
+"""Is a fitted effect what its name says? A place is somewhere that the robot also leaves; a size is one that occurs.
 
-Without this an area that grows over the whole floor stands in for what acts everywhere (a rough floor for dry
-friction, a turned marker for a turned sensor), with as good a likelihood as theirs.
+Without the first an area that grows over the whole floor stands in for what acts everywhere (a rough floor for dry
+friction, a turned marker for a turned sensor), with as good a likelihood as theirs. Without the second a warming
+motor that is to lose more than half of its strength stands in for a battery that sags, as a slow exponential is a
+straight line.
 """
 
 from __future__ import annotations
@@ -16,10 +18,30 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
+AT_BOUND = 1e-4  # of the range between the bounds: nearer, a number rests there
 MOST_INSIDE = 0.7  # of the driving time; by the same token a place needs a third of the drive to compare with
 
 
 def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether an effect has a size and, if it is one, a place that its name stands for."""
+    return has_size(ranked) and leaves_floor(ranked, simulators)
+
+
+def has_size(ranked: Ranked) -> bool:
+    """Return whether no strength rests at a bound that is not where nature ends."""
+    table, effect = parameter_table(), registry()[ranked.name]
+    for name in ranked.hypothesis.names:
+        p = effect.parameter(name)
+        ends = [end for end in (p.low, p.high) if end != p.null]
+        if not p.strength or p.natural_end or not ends:
+            continue
+        values = ranked.fit.values[:, table.place(f"{ranked.name}.{name}")]
+        if any(np.any(np.abs(values - end) < AT_BOUND * (p.high - p.low)) for end in ends):
+            return False
+    return True
+
+
+def leaves_floor(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     """Return whether a place effect leaves the robot some of the floor that it drove on; True for other effects."""
     if registry()[ranked.name].scan != "place":
         return True

@@ -36,6 +36,8 @@ PITCH = 0.12  # m between candidate centres: a third of a common patch's diamete
 SPAN_STEP = 1.5  # s between candidate begins and ends of a span
 PUSH_STEP = 0.25  # s between candidate kicks
 PUSH_LENGTH = 0.25  # s
+PUSH_APART = 1.0  # s between kicks that are not the same one: four times its length
+MASS, INERTIA = 1.1, 0.0065  # kg, kg m2 of a plain robot: a push's first guess
 KEEP = 3
 GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
 CHUNK = 96
@@ -43,11 +45,15 @@ CHUNK = 96
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """Start values by full parameter name, for one recording or all (-1), and the promised log-likelihood."""
+    """Start values by full parameter name, for one recording or all (-1), and the promised log-likelihood.
+
+    elsewhere : what the best other moment promises, from which this one has to stand out.
+    """
 
     changes: Mapping[str, float]
     promise: float
     run: int = -1
+    elsewhere: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,29 +178,40 @@ class Scanner:
         return [Candidate(changes, float(promise[best]), run)]
 
     def pushes(self) -> list[Candidate]:
-        """Return kicks of one recording."""
-        found: list[Candidate] = []
-        mass, inertia = 1.1, 0.0065
-        for run, s in enumerate(self.situations):
-            starts = np.arange(max(s.time[0], 0.0) + 0.5, s.time[-1] - 1.0, PUSH_STEP)
-            own = _kick_columns(s, starts)
-            blocks = [
-                own if i == run else np.zeros((*f.shape, own.shape[2]))
-                for i, f in enumerate(self.parent.simulated)
-            ]
-            promise, amplitude = self.scores(blocks, 3)
+        """Return kicks of one recording, most promising first, each with what the best kick apart from it promises."""
+        tried = [self._pushes_of(run, s) for run, s in enumerate(self.situations)]
+        found = []
+        for run, (starts, promise, amplitude) in enumerate(tried):
+            others = max((float(p.max()) for i, (_, p, _) in enumerate(tried) if i != run), default=0.0)
             for b in _peaks(promise, starts):
-                heading = float(np.interp(starts[b], s.time, s.heading))
-                ahead, left, turn = amplitude[b] * [mass, mass, inertia / s.half]
-                c, d = np.cos(heading), np.sin(heading)
-                changes = {
-                    "external_push.impulse_x": float(np.clip(c * ahead - d * left, -3, 3)),
-                    "external_push.impulse_y": float(np.clip(d * ahead + c * left, -3, 3)),
-                    "external_push.impulse_turn": float(np.clip(turn, -0.3, 0.3)),
-                    "external_push.start": float(starts[b]),
-                }
-                found.append(Candidate(changes, float(promise[b]), run))
+                apart = promise[np.abs(starts - starts[b]) > PUSH_APART]
+                elsewhere = max(others, float(apart.max(initial=0.0)))
+                changes = _push(self.situations[run], float(starts[b]), amplitude[b])
+                found.append(Candidate(changes, float(promise[b]), run, elsewhere))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
+
+    def _pushes_of(self, run: int, s: Situation) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return moments (m,) [s] of one recording, what kicks promise there (m,), and their amplitudes (m, 3)."""
+        starts = np.arange(max(s.time[0], 0.0) + 0.5, s.time[-1] - 1.0, PUSH_STEP)
+        own = _kick_columns(s, starts)
+        blocks = [
+            own if i == run else np.zeros((*f.shape, own.shape[2]))
+            for i, f in enumerate(self.parent.simulated)
+        ]
+        return starts, *self.scores(blocks, 3)
+
+
+def _push(s: Situation, start: float, amplitude: FloatArray) -> dict[str, float]:
+    """Return the push that brings about speed errors `amplitude` forward, sideways and at the rim [m/s]."""
+    heading = float(np.interp(start, s.time, s.heading))
+    ahead, left, turn = amplitude * [MASS, MASS, INERTIA / s.half]
+    c, d = np.cos(heading), np.sin(heading)
+    return {
+        "external_push.impulse_x": float(np.clip(c * ahead - d * left, -3, 3)),
+        "external_push.impulse_y": float(np.clip(d * ahead + c * left, -3, 3)),
+        "external_push.impulse_turn": float(np.clip(turn, -0.3, 0.3)),
+        "external_push.start": start,
+    }
 
 
 def _peaks(promise: FloatArray, starts: FloatArray) -> list[int]:

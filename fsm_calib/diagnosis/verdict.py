@@ -22,7 +22,11 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class NamedEffect:
-    """One effect that was left out: how sure (probability that the name is right), its numbers, a sentence."""
+    """One effect that was left out: how sure, its numbers, a sentence.
+
+    confidence : probability that the name is right, or, where it stands in a set of `Verdict.ambiguous`, that one of
+    the set is.
+    """
 
     name: str
     confidence: float

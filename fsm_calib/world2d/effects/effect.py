@@ -59,6 +59,9 @@ class Parameter:
         Values from which a fit should be started when the null value does not lead to the truth.
     step : float
         A sensible finite-difference step, in `unit`; 0 means a thousandth of the typical size.
+    natural_end : bool
+        Whether nature ends at the bounds (a dead motor has lost all), so that a fit may rest there. At another bound
+        the fit asks for more of the effect than there can be.
     """
 
     name: str
@@ -75,6 +78,7 @@ class Parameter:
     mirror: str = "same"
     starts: tuple[float, ...] = ()
     step: float = 0.0
+    natural_end: bool = False
 
     @property
     def difference_step(self) -> float:

@@ -42,6 +42,7 @@ EFFECT = Effect(
             "dust, water or tape: 0.5 to 0.95",
             starts=(0.8, 0.95),
             step=1e-3,
+            natural_end=True,
         ),
         Parameter("x", "x_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3),
         Parameter(

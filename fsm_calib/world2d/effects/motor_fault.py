@@ -31,10 +31,30 @@ EFFECT = Effect(
     equation="T_i = K_i u_i (1 - loss_i) from start for duration",
     parameters=(
         Parameter(
-            "loss_left", "f_l", "1", 0.0, -0.5, 1.0, 0.3, "any", mirror="swap:loss_right", per_recording=True
+            "loss_left",
+            "f_l",
+            "1",
+            0.0,
+            -0.5,
+            1.0,
+            0.3,
+            "any",
+            mirror="swap:loss_right",
+            per_recording=True,
+            natural_end=True,
         ),
         Parameter(
-            "loss_right", "f_r", "1", 0.0, -0.5, 1.0, 0.0, "any", mirror="swap:loss_left", per_recording=True
+            "loss_right",
+            "f_r",
+            "1",
+            0.0,
+            -0.5,
+            1.0,
+            0.0,
+            "any",
+            mirror="swap:loss_left",
+            per_recording=True,
+            natural_end=True,
         ),
         Parameter(
             "start", "t0", "s", 0.0, 0.0, 1e5, 8.2, "any", strength=False, per_recording=True, step=0.01
