@@ -166,7 +166,7 @@ def _or_jumps(
     best: tuple[float, tuple[str, ...]], engine: Engine, fit: Fit, effects: Sequence[str]
 ) -> tuple[float, tuple[str, ...]]:
     """Return the best forms, or jumps of the measured pose at a place where these say more."""
-    if "misplaced_marker" in effects:  # its own edges are exact to a frame only
+    if any(registry()[name].jumps for name in effects):  # their own edges are exact to a frame only
         return best
     jumps = jump_evidence([s.prepared for s in engine.simulators], fit.simulated, engine.count)
     return (jumps, (JUMPS,)) if jumps > best[0] else best

@@ -11,14 +11,12 @@ from __future__ import annotations
 import math
 
 from fsm_calib.world2d.effects import Effect
+from fsm_calib.world2d.effects.effect import FORCE_DOUBT
 
-FORCE_DOUBT = 0.2  # of a force: mass to 10 %, rotating inertia to a factor of two
 EQUATION_DOUBT = 0.03  # of any other strength
-PLAY_DOUBT = 0.35  # of the play in gears: where motors push little, random forces let the teeth float
 PLACE_DOUBT = 0.015  # m, centres and sizes of areas: half a tyre's width
 MOMENT_DOUBT = 0.05  # s, begin and length of events: a frame of a camera
 FORCE_UNITS = frozenset({"N", "N m", "N s", "N m s"})
-FORCES_BY_ANOTHER_NAME = frozenset({"floor_tilt"})  # a slope is a force over the weight
 
 
 def model_spread(effect: Effect, name: str, value: float) -> float:
@@ -28,10 +26,8 @@ def model_spread(effect: Effect, name: str, value: float) -> float:
         if effect.scan == "place" and parameter.unit == "m":
             return PLACE_DOUBT
         return MOMENT_DOUBT if effect.scan == "time" and parameter.unit == "s" else 0.0
-    if effect.name == "gear_backlash":
-        return PLAY_DOUBT * abs(value - parameter.null)
-    is_force = parameter.unit in FORCE_UNITS or effect.name in FORCES_BY_ANOTHER_NAME
-    return (FORCE_DOUBT if is_force else EQUATION_DOUBT) * abs(value - parameter.null)
+    share = parameter.doubt or (FORCE_DOUBT if parameter.unit in FORCE_UNITS else EQUATION_DOUBT)
+    return share * abs(value - parameter.null)
 
 
 def with_doubt(effect: Effect, name: str, value: float, variance: float) -> float:

@@ -25,6 +25,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 Channel = Literal["forward", "lateral", "turn", "sensor"]
+FORCE_DOUBT = 0.2  # of a force told by speeds: mass to 10 %, rotating inertia to a factor of two
 HOOKS = ("begin", "shape", "delay", "step", "clock", "observe")
 
 
@@ -62,6 +63,8 @@ class Parameter:
     natural_end : bool
         Whether nature ends at the bounds (a dead motor has lost all), so that a fit may rest there. At another bound
         the fit asks for more of the effect than there can be.
+    doubt : float
+        Share of the size by which the equation itself may be off, where it is not what the unit lets expect.
     """
 
     name: str
@@ -79,6 +82,7 @@ class Parameter:
     starts: tuple[float, ...] = ()
     step: float = 0.0
     natural_end: bool = False
+    doubt: float = 0.0
 
     @property
     def difference_step(self) -> float:
@@ -98,7 +102,7 @@ class Effect:
     `memory` counts the state slots that the step hook keeps; `order` sorts hooks within a stage (small
     first); `input` says which drives can show it: any, commands (measured wheel speeds have their motors
     behind them), commanded twists, or drives whose wheels were measured by us or
-    by the robot's own controller.
+    by the robot's own controller; `jumps` says that the pose itself jumps at the edge of a place.
     """
 
     name: str
@@ -118,6 +122,7 @@ class Effect:
     memory: int = 0
     order: int = 50
     dissipative: bool = False
+    jumps: bool = False
     input: Literal["any", "command", "twist", "wheels"] = "any"
     summary: str = field(default="")
 

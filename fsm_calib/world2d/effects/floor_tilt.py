@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import FORCE_DOUBT, Effect, Parameter
 from fsm_calib.world2d.forces import add_force
 from fsm_calib.world2d.slots import COM_X, COM_Y, COS, GRAVITY, MASS, SIN
 
@@ -29,8 +29,19 @@ EFFECT = Effect(
     summary="the floor is not level",
     equation="F = -m g (slope_x, slope_y) in the world",
     parameters=(
-        Parameter("slope_x", "alpha_x", "rad", 0.0, -0.2, 0.2, 0.02, "0.5 to 3 degrees"),
-        Parameter("slope_y", "alpha_y", "rad", 0.0, -0.2, 0.2, -0.015, "0.5 to 3 degrees", mirror="negate"),
+        Parameter("slope_x", "alpha_x", "rad", 0.0, -0.2, 0.2, 0.02, "0.5 to 3 degrees", doubt=FORCE_DOUBT),
+        Parameter(
+            "slope_y",
+            "alpha_y",
+            "rad",
+            0.0,
+            -0.2,
+            0.2,
+            -0.015,
+            "0.5 to 3 degrees",
+            mirror="negate",
+            doubt=FORCE_DOUBT,
+        ),
     ),
     hooks={"step": pull},
     channels=("forward", "turn"),

@@ -74,6 +74,7 @@ EFFECT = Effect(
             "2 to 10 degrees at the wheel",
             starts=(0.02, 0.05, 0.12, 0.25),
             step=8e-3,  # rugged below: teeth touch within a step of the roll-out, or not
+            doubt=0.35,  # where motors push little, random forces let the teeth float
         ),
         Parameter(
             "encoder_side",

@@ -68,6 +68,7 @@ EFFECT = Effect(
     sentence="The marker at ({x}, {y}) is turned by {turn}, shifted by ({shift_x}, {shift_y}), on the map.",
     source="Olson, ICRA 2011, section V",
     scan="place",
+    jumps=True,
     variants=(("turn", "x", "y", "radius"), ("turn", "shift_x", "shift_y", "x", "y", "radius")),
     order=30,
 )
