@@ -103,8 +103,10 @@ def control_rows(pairs: list[Pair], single: list[Pair]) -> Iterator[Row]:
     yield "both names of a pair", held, ">= 85 %"
     named = [v for k, v in single if right((k, v))]
     yield "spurious second name", share_of(lambda v: len(v["effects"]) > 1, named), "<= 3 %"
-    poor = [v for k, v in pairs if k["poor"]]
-    yield "poor excitation: one confident name", share_of(lambda v: len(first_names(v)) == 1, poor), "none"
+    poor = [(k, v) for k, v in pairs if k["poor"]]
+    wrong = lambda pair: bool(first_names(pair[1])) and not right(pair)  # noqa: E731
+    yield "poor excitation: one name", share_of(lambda pair: len(first_names(pair[1])) == 1, poor), ""
+    yield "poor excitation: a wrong name", share_of(wrong, poor), "none"
 
 
 def proof_rows(pairs: list[Pair]) -> Iterator[Row]:
