@@ -27,6 +27,7 @@ from concealed.physics import simulate
 from concealed.robots import BY_NAME, HIDDEN, OUTSIDE, PAIRS, Sensor, draw_base, draw_sensor, observe
 from concealed.sizing import floor, ratio
 
+RUNS = ("run-a", "run-b", "run-h")
 LEVELS = {"plain": (1.5, 2.5), "masked": (1.1, 1.5), "faint": (1.02, 1.10)}
 """2 s error of the re-fitted base over the noise floor."""
 
@@ -159,27 +160,48 @@ def _csv(path: Path, header: str, rows) -> None:
     path.write_bytes(gzip.compress(text.encode(), mtime=0))
 
 
+def _draws(run: str, seed: list[int]) -> np.random.Generator:
+    return np.random.default_rng([*seed, 50 + RUNS.index(run)])
+
+
+def _with_phases(run: str, seed: list[int], physics):
+    """The robot with its wheels turned as they are when the run begins."""
+    g = _draws(run, seed)
+    return physics._replace(phase_left=g.uniform(0, 6.28), phase_right=g.uniform(0, 6.28))
+
+
+def _drive_of(
+    run: str, seed: list[int], physics, profile: str
+) -> tuple[Drive, np.ndarray, np.random.Generator]:
+    """What a run's robot is told and where it starts, as `physics` would drive it; and the draws that go on from there."""
+    g, physics = _draws(run, seed), _with_phases(run, seed, physics)
+    g.uniform(0, 6.28, 2)  # the phases
+    x0 = np.array([g.uniform(-0.25, 0.25), g.uniform(-0.25, 0.25), g.uniform(-3.14, 3.14)])
+    own = "held_out" if run == "run-h" and profile == "mixed" else profile
+    return make_drive(g, physics, x0, own), x0, g
+
+
 def make_robot(out: Path, index: int, row: dict, seed: int) -> dict:
     """Write one robot's three runs; return its line of the key."""
     s = [seed, 1000 + index]
     rng = np.random.default_rng(s)
     base, sensor = draw_base(rng), draw_sensor(rng)
     profile = "poor" if row.get("poor") else "mixed"
-    start = np.array([rng.uniform(-0.25, 0.25), rng.uniform(-0.25, 0.25), rng.uniform(-3.14, 3.14)])
     size, found = 0.0, 1.0
     if row["names"]:
-        trial = make_drive(np.random.default_rng([*s, 4]), base, start, "mixed")
-        size, found = _choose_size(row, s, base, sensor, trial, start)
+        trial, x0, _ = _drive_of("run-a", s, base, "mixed")
+        size, found = _choose_size(row, s, base, sensor, trial, x0)
     physics, effect = _parameters(row["names"], size, s, base)
     once = [n for n in row["names"] if BY_NAME[n].once]
     name = f"robot-{index:03d}"
-    for k, run in enumerate(("run-a", "run-b", "run-h")):
-        g = np.random.default_rng([*s, 50 + k])
+    for run in RUNS:
         plain, _ = _parameters([n for n in row["names"] if n not in once], size, s, base)
         used = physics if (run == "run-a" or not once) else plain
-        used = used._replace(phase_left=g.uniform(0, 6.28), phase_right=g.uniform(0, 6.28))
-        x0 = np.array([g.uniform(-0.25, 0.25), g.uniform(-0.25, 0.25), g.uniform(-3.14, 3.14)])
-        drive = make_drive(g, used, x0, "held_out" if run == "run-h" and profile == "mixed" else profile)
+        drive, x0, g = _drive_of(run, s, used, profile)
+        used = _with_phases(run, s, used)
+        if run == "run-a" and row["names"] and profile == "mixed":
+            noise = floor(base, sensor, drive, x0, np.random.default_rng([*s, 3]))
+            found = ratio(used, effect, base, drive, x0, noise)
         times, states = simulate(used, *drive.arrays(), x0, drive.end + 0.5, g)
         _write_run(out / "robots" / name / run, name, drive, times, states, _with_effect(sensor, effect), g)
     return {
