@@ -9,7 +9,7 @@ from diagnosis_robots import recording
 from fsm_calib.diagnosis.bank import Bank, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names
 from fsm_calib.diagnosis.fit import Engine, simulate_all
-from fsm_calib.diagnosis.moments import timed
+from fsm_calib.diagnosis.moments import dated
 from fsm_calib.diagnosis.placing import placed
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.simulator import make_simulator
@@ -58,9 +58,9 @@ def numbers_of(fit, ranked, run=0):
     return {name: found[name] for name in ranked.hypothesis.names}
 
 
-def test_a_fault_is_timed_to_a_fraction_of_a_second(failed):
+def test_a_fault_is_dated_to_a_fraction_of_a_second(failed):
     engine, ranked = failed
-    start, sd = numbers_of(timed(engine, ranked.fit, (ranked,)), ranked)["start"]
+    start, sd = numbers_of(dated(engine, ranked.fit, (ranked,)), ranked)["start"]
     assert start == pytest.approx(FAULT["start"], abs=0.5)
     assert abs(start - FAULT["start"]) < 3.0 * sd
 
@@ -68,14 +68,14 @@ def test_a_fault_is_timed_to_a_fraction_of_a_second(failed):
 def test_an_edge_that_rests_in_a_hollow_is_moved_out_of_it(failed):
     engine, ranked = failed
     late = moved(engine, ranked.fit, ranked.hypothesis.run, motor_fault__start=FAULT["start"] + 1.5)
-    again = timed(engine, late, (ranked,))
+    again = dated(engine, late, (ranked,))
     assert again.log_likelihood > late.log_likelihood + 5.0
     assert numbers_of(again, ranked)["start"][0] == pytest.approx(FAULT["start"], abs=0.5)
 
 
-def test_a_fit_without_events_is_not_timed(slippery):
+def test_a_fit_without_events_is_not_dated(slippery):
     engine, ranked = slippery
-    assert timed(engine, ranked.fit, (ranked,)) is ranked.fit
+    assert dated(engine, ranked.fit, (ranked,)) is ranked.fit
 
 
 def test_a_patch_is_found_again_from_beside_it(slippery):

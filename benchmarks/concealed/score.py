@@ -40,6 +40,11 @@ def right(pair: Pair) -> bool:
     return is_right(pair[0]["label"], pair[1], pair[0]["encoders"])
 
 
+def wrong(pair: Pair) -> bool:
+    """True when a pair of key line and verdict has a name first that is not right."""
+    return bool(first_names(pair[1])) and not right(pair)
+
+
 def right_first(pair: Pair) -> bool:
     """True when the first name is one of those that the robot hides: each name of a pair counts."""
     return any(is_right(label, pair[1], pair[0]["encoders"]) for label in pair[0]["label"].split("+"))
@@ -85,7 +90,7 @@ def name_rows(single: list[Pair]) -> Iterator[Row]:
         said = Counter(v["verdict"] for _, v in group)
         bar = {"faint": ">= 80 %", "below": ""}.get(level, ">= 97 %")
         yield f"right name first, {level}", share_of(right, group), bar
-        yield f"wrong name, {level}", share_of(lambda p: bool(first_names(p[1])) and not right(p), group), ""
+        yield f"wrong name, {level}", share_of(wrong, group), ""
         yield f"unexplained / match, {level}", f"{said['unexplained']} / {said['match']}", ""
 
 
@@ -104,7 +109,6 @@ def control_rows(pairs: list[Pair], single: list[Pair]) -> Iterator[Row]:
     named = [v for k, v in single if right((k, v))]
     yield "spurious second name", share_of(lambda v: len(v["effects"]) > 1, named), "<= 3 %"
     poor = [(k, v) for k, v in pairs if k["poor"]]
-    wrong = lambda pair: bool(first_names(pair[1])) and not right(pair)  # noqa: E731
     yield "poor excitation: one name", share_of(lambda pair: len(first_names(pair[1])) == 1, poor), ""
     yield "poor excitation: a wrong name", share_of(wrong, poor), "none"
 

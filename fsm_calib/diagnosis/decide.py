@@ -22,7 +22,7 @@ from fsm_calib.diagnosis.heldout import error_left
 from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, hypotheses_of, shown_by, with_values
 from fsm_calib.diagnosis.locate import SIGNIFICANT, Location, locate
 from fsm_calib.diagnosis.model import Model
-from fsm_calib.diagnosis.moments import timed
+from fsm_calib.diagnosis.moments import dated
 from fsm_calib.diagnosis.pairs import survivor
 from fsm_calib.diagnosis.placing import placed
 from fsm_calib.diagnosis.plausible import is_plausible
@@ -99,7 +99,7 @@ class Judge:
         if outcome == "explained":
             began = perf_counter()
             fit = placed(self.engine, model.fit, model.effects, self.rng)
-            model = replace(model, fit=timed(self.engine, fit, model.effects))
+            model = replace(model, fit=dated(self.engine, fit, model.effects))
             self.timed("place and moment", began)
         return Decision(
             outcome, reason, self.engine, base, model, tuple(ranking), second_ranking, location, bank, self.seconds

@@ -22,6 +22,7 @@ from fsm_calib.types import FloatArray
 ALL_RUNS = -1
 SMALL_GAIN = 0.1  # log-likelihood units: a smaller gain ends the iteration
 
+AT_A_TIME = 16  # parameter vectors that are simulated in one call
 REMEMBERED = 4  # filters at so many noises
 NEGLIGIBLE = 0.01  # log-likelihood units: a fit that may be given up does not try a step that promises less
 OPTIMISM = 3.0  # a fit is given up where even so many times the promise of its step would not fulfil its hope
@@ -191,6 +192,13 @@ class Engine:
             log_density(r, w.log_scale, self.nu).sum() for r, w in zip(parts, whiteners, strict=True)
         ]
         return np.concatenate(parts), float(sum(densities))
+
+    def of_recording(self, run: int, whiteners: Sequence[Whitener], rows: FloatArray) -> FloatArray:
+        """Return the log-likelihood (m,) of one recording at each of the parameters `rows` (m, p)."""
+        simulator, white = self.simulators[run], whiteners[run]
+        parts = [simulator.increments(rows[i : i + AT_A_TIME]) for i in range(0, len(rows), AT_A_TIME)]
+        residuals = (white.residual(simulated) for part in parts for simulated in part)
+        return np.array([log_density(r, white.log_scale, self.nu).sum() for r in residuals])
 
     def _white_known(
         self, whiteners: Sequence[Whitener], known: Sequence[FloatArray] | None

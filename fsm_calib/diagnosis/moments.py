@@ -33,7 +33,7 @@ STEPS = 6
 Move = Callable[[float], FloatArray]
 
 
-def timed(engine: Engine, fit: Fit, effects: Sequence[Ranked]) -> Fit:
+def dated(engine: Engine, fit: Fit, effects: Sequence[Ranked]) -> Fit:
     """Return the fit with the moments of its events at their profiles' medians, with the profiles' spreads."""
     for ranked in effects:
         if registry()[ranked.name].scan == "time" and ranked.hypothesis.run != ALL_RUNS:
@@ -66,18 +66,13 @@ def _profile(engine: Engine, fit: Fit, ranked: Ranked, edge: str) -> tuple[Float
     """Return moments (m,) [s] of an edge and the log-likelihood of the recording with it there, (m,)."""
     run, table = ranked.hypothesis.run, parameter_table()
     now, move = _moved(fit.values, ranked, edge)
-    simulator, whitener = engine.simulators[run], engine.whiteners(fit.noise)[run]
-    alone = Engine((simulator,))
     moments = now + GRID * np.arange(-round(REACH / GRID), round(REACH / GRID) + 1)
     rows = np.array([move(float(moment)) for moment in moments])
-    entries = [table.place(f"{ranked.name}.{name}") for name in _edges(ranked)]
     allowed = np.ones(len(rows), dtype=bool)
-    for place in entries:
-        allowed &= (rows[:, place] >= table.entries[place].low) & (
-            rows[:, place] <= table.entries[place].high
-        )
-    simulated = simulator.increments(rows[allowed])
-    likelihood: FloatArray = np.array([alone.log_likelihood([whitener], [s]) for s in simulated])
+    for place in (table.place(f"{ranked.name}.{name}") for name in _edges(ranked)):
+        entry = table.entries[place]
+        allowed &= (rows[:, place] >= entry.low) & (rows[:, place] <= entry.high)
+    likelihood = engine.of_recording(run, engine.whiteners(fit.noise), rows[allowed])
     return np.asarray(moments[allowed], dtype=float), likelihood
 
 

@@ -22,7 +22,6 @@ from fsm_calib.world2d.parameters import parameter_table
 SPREADS = (0.12, 0.03, 0.01)  # m, standard deviations of centres, round by round
 SIZE_PER_METRE = 2.5  # standard deviation of a size's logarithm for each metre of that of the centre [1/m]
 DRAWN, ELITE = 72, 6  # candidates of a round, and how many of all so far the next is drawn about
-CHUNK = 16  # candidates simulated at a time
 STEPS = 8
 
 
@@ -79,9 +78,6 @@ def _judged(engine: Engine, fit: Fit, drawn: FloatArray) -> FloatArray:
     """Return the log-likelihood (m,) of all recordings with the places `drawn` (m, p); phases stay their own."""
     whiteners, total = engine.whiteners(fit.noise), np.zeros(len(drawn))
     shared = np.all(fit.values == fit.values[:1], axis=0)
-    for simulator, whitener, own in zip(engine.simulators, whiteners, fit.values, strict=True):
-        alone, rows = Engine((simulator,)), np.where(shared, drawn, own)
-        for begin in range(0, len(rows), CHUNK):
-            simulated = simulator.increments(rows[begin : begin + CHUNK])
-            total[begin : begin + CHUNK] += [alone.log_likelihood([whitener], [s]) for s in simulated]
+    for run, own in enumerate(fit.values):
+        total += engine.of_recording(run, whiteners, np.where(shared, drawn, own))
     return total
