@@ -10,6 +10,7 @@ from fsm_calib.diagnosis.identify_inputs import wheels_of
 from fsm_calib.diagnosis.identify_motion import dead_reckon
 from fsm_calib.diagnosis.settings import DEFAULT_SETTINGS, Settings
 from fsm_calib.diagnosis.smoothing import SmoothTrack, lone_spikes, smooth_track
+from fsm_calib.diagnosis.unwinding import unwound
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Recording
@@ -18,6 +19,7 @@ from fsm_calib.types import FloatArray
 FEWEST_FRAMES = 20  # poses: below it not even the base robot can be fitted
 NOMINAL_AXLE = 0.100  # m, Duckiebot DB18 (Duckietown kinematic calibration, default file)
 NOMINAL_RADIUS = 0.0318  # m, the same file
+REST_TIME = 0.6  # s in which disturbances fade after a stop: their memory, and three drive time constants
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +93,13 @@ def clean_poses(recording: Recording) -> Poses:
     placed = bool(np.isfinite(track.x).any())
     track = track if placed else placed_by_wheels(recording, track)
     good = np.isfinite(track.x) & np.isfinite(track.y) & np.isfinite(track.theta)
-    time, x, y, theta = track.time[good], track.x[good], track.y[good], np.unwrap(track.theta[good])
+    time, x, y = track.time[good], track.x[good], track.y[good]
+    theta = unwound(recording, time, track.theta[good])
     dropped = int((~good).sum())
     for _ in range(2):  # the second look sees spikes that stood beside another
         spikes = lone_spikes(time, x) | lone_spikes(time, y) | lone_spikes(time, theta)
         time, x, y, theta = time[~spikes], x[~spikes], y[~spikes], theta[~spikes]
-        theta = np.unwrap(theta)
+        theta = unwound(recording, time, theta)
         dropped += int(spikes.sum())
     if len(time) < FEWEST_FRAMES:
         raise DataError(
@@ -109,7 +112,7 @@ def clean_poses(recording: Recording) -> Poses:
 def placed_by_wheels(recording: Recording, track: PoseTrack) -> PoseTrack:
     """Return the headings with positions reckoned from the wheels: they tell where, but are no measurement."""
     known = np.isfinite(track.theta)
-    time, theta = track.time[known], np.unwrap(track.theta[known])
+    time, theta = track.time[known], unwound(recording, track.time[known], track.theta[known])
     wheels = wheels_of(recording)
     left, right = wheels.between(time)
     scale = wheels.nominal or wheels.size
@@ -142,6 +145,7 @@ def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prep
     seen[at_pose, 2] = True
     moving = _moving(track, picked, axle, settings)
     seen[at_encoder, 3:] = _fresh(wheels[at_encoder], moving[at_encoder])[:, None]
+    moving = _coming_to_rest(time, moving)
     y = np.zeros((len(time), 5))
     y[at_pose, :3] = _in_frame(reference[at_pose], np.column_stack([poses.x, poses.y, poses.theta]))
     dt = np.diff(time, prepend=time[0])
@@ -187,6 +191,19 @@ def _moving(track: SmoothTrack, picked: np.ndarray, axle: float, settings: Setti
     rim = np.hypot(track.vx, track.vy)[picked] + 0.5 * axle * np.abs(track.omega[picked])
     ramp = np.clip((rim - settings.still_speed) / (settings.moving_speed - settings.still_speed), 0.0, 1.0)
     return ramp * ramp * (3.0 - 2.0 * ramp)
+
+
+def _coming_to_rest(time: FloatArray, moving: FloatArray) -> FloatArray:
+    """Return `moving` (n,) as it fades after a stop: what disturbs a robot does so until it has come to rest.
+
+    A robot that coasts its last millimetres is slower than a tracker can tell from standing; without the delay its
+    turning then looks like a push.
+    """
+    out, fading = np.empty_like(moving), 0.0
+    for k, (dt, share) in enumerate(zip(np.diff(time, prepend=time[:1]), moving, strict=True)):
+        fading = max(float(share), fading - float(dt) / REST_TIME)
+        out[k] = fading
+    return out
 
 
 def _encoders(recording: Recording, poses: Poses, settings: Settings) -> tuple[FloatArray, FloatArray]:
