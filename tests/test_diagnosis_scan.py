@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
+from fsm_calib.diagnosis.adequacy import winnings
 from fsm_calib.diagnosis.bank import Bank
 from fsm_calib.diagnosis.base import fit_base
 from fsm_calib.diagnosis.fit import Engine
@@ -100,3 +101,64 @@ def test_a_push_is_found_and_stands_out_from_other_moments():
 def test_without_a_push_no_moment_stands_out():
     best = bank_of(recording(0), recording(1)).scanner.pushes()[0]
     assert best.promise < 2.5 * best.elsewhere
+
+
+PATCH = {"loss": 0.75, "x": 0.15, "y": 0.05, "radius": 0.2, "spread": 0.0}
+
+
+@pytest.fixture(scope="module")
+def slippery():
+    numbers = {f"low_friction_patch__{name}": value for name, value in PATCH.items()}
+    return bank_of(*(recording(seed, **numbers) for seed in (0, 1)))
+
+
+def test_a_slippery_spot_is_found_from_anywhere_on_the_floor(slippery):
+    best = slippery.scanner.slippery_areas()[0]
+    x, y = (best.changes[f"low_friction_patch.{name}"] for name in ("x", "y"))
+    assert np.hypot(x - PATCH["x"], y - PATCH["y"]) < 0.15
+    assert best.promise > 20.0
+
+
+def test_a_slippery_spot_is_fitted_from_there(slippery):
+    (ranked,) = slippery.rank([registry()["low_friction_patch"]])
+    found = dict(
+        zip(ranked.hypothesis.names, ranked.fit.slot_values()[-len(ranked.hypothesis.names) :], strict=True)
+    )
+    assert found["loss"] == pytest.approx(PATCH["loss"], abs=0.1)
+    assert np.hypot(found["x"] - PATCH["x"], found["y"] - PATCH["y"]) < 0.1
+
+
+def test_what_a_change_wins_is_the_difference_of_log_likelihoods(slippery):
+    engine, base = slippery.engine, slippery.parent
+    values = with_values(base.values, {f"low_friction_patch.{name}": value for name, value in PATCH.items()})
+    simulated = [s.increments(v[None])[0] for s, v in zip(engine.simulators, values, strict=True)]
+    white = engine.white_columns(
+        slippery.prober.residual.whiteners,
+        [(after - before)[:, :, None] for after, before in zip(simulated, base.simulated, strict=True)],
+    )
+    whiteners = engine.whiteners(base.noise)
+    alone = replace(slippery.prober.residual, basis=np.zeros((engine.count, 0)))
+    expected = engine.log_likelihood(whiteners, simulated) - engine.log_likelihood(whiteners, base.simulated)
+    assert winnings(alone, white)[0] == pytest.approx(expected, abs=1e-6)
+    assert winnings(slippery.prober.residual, white)[0] >= expected
+
+
+def test_a_push_so_strong_that_its_poses_are_outliers_is_found():
+    numbers = {"impulse_turn": 0.04, "impulse_y": 0.8, "start": 17.0}
+    pushed = recording(0, **{f"external_push__{name}": value for name, value in numbers.items()})
+    best = bank_of(pushed, recording(1)).scanner.pushes()[0]
+    assert best.run == 0
+    assert best.changes["external_push.start"] == pytest.approx(17.0, abs=0.3)
+    assert best.promise > 10.0 * best.elsewhere
+
+
+def test_disturbances_fade_only_after_a_robot_has_come_to_rest():
+    prepared = prepare(recording(0))
+    moving, stopped = prepared.moving, prepared.recording.command
+    rests = [
+        t
+        for t, left, right in zip(stopped.time, stopped.left, stopped.right, strict=True)
+        if left == right == 0
+    ]
+    at = np.interp(np.array(rests[:-1]) + 0.15, prepared.time, moving)
+    assert at.min() > 0.5

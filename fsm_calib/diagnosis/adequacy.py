@@ -35,9 +35,11 @@ class LeftOver:
 class Residual:
     """The whitened residual of a fit, ready for score tests.
 
-    psi : (N,) robust residual of unit variance; basis : (N, m) orthonormal columns of the fitted Jacobian.
+    white : (N,) the residual itself; psi : (N,) the same, robust, of unit variance; basis : (N, m) orthonormal
+    columns of the fitted Jacobian.
     """
 
+    white: FloatArray
     psi: FloatArray
     basis: FloatArray
     whiteners: tuple[Whitener, ...]
@@ -51,13 +53,30 @@ def residual_of(engine: Engine, fit: Fit) -> Residual:
     psi = white * robust_weights(white, engine.nu)
     columns = engine.white_columns(whiteners, fit.columns)
     basis, _ = np.linalg.qr(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300))
-    return Residual(psi / max(float(psi.std()), 1e-12), basis, tuple(whiteners), engine)
+    return Residual(white, psi / max(float(psi.std()), 1e-12), basis, tuple(whiteners), engine)
 
 
 def project(residual: Residual, columns: Sequence[FloatArray]) -> FloatArray:
     """Return whitened columns (N, m) without what the fitted parameters can do."""
     white = residual.engine.white_columns(residual.whiteners, columns)
     return white - residual.basis @ (residual.basis.T @ white)
+
+
+def winnings(residual: Residual, changes: FloatArray) -> FloatArray:
+    """Return the log-likelihood (m,) that whitened changes (N, m) win as they stand, the base re-fitted linearly.
+
+    A score test sees no more of an outlier than the robust weights leave; an event or a slide that makes outliers is
+    judged by the densities themselves. The base is re-fitted with the weights of the residual before the change.
+    """
+    nu, weighted = (
+        residual.engine.nu,
+        residual.basis * robust_weights(residual.white, residual.engine.nu)[:, None],
+    )
+    before = float(np.log1p(residual.white**2 / (nu - 2.0)).sum())
+    left = residual.white[:, None] - changes
+    fitted = left - residual.basis @ np.linalg.solve(weighted.T @ residual.basis, weighted.T @ left)
+    after = np.minimum(*(np.log1p(e * e / (nu - 2.0)).sum(axis=0) for e in (left, fitted)))
+    return np.asarray(0.5 * (nu + 1.0) * (before - after), dtype=float)
 
 
 def test_group(residual: Residual, group: Group) -> LeftOver:

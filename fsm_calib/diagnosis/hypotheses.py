@@ -14,7 +14,7 @@ from itertools import product
 
 import numpy as np
 
-from fsm_calib.diagnosis.adequacy import Residual, project
+from fsm_calib.diagnosis.adequacy import Residual, project, winnings
 from fsm_calib.diagnosis.base import slot_of
 from fsm_calib.diagnosis.fit import ALL_RUNS, Fit, Slot
 from fsm_calib.diagnosis.simulator import Simulator
@@ -118,7 +118,7 @@ def declared_starts(
     `given` : values that are known already. Choices (not fitted, but with starts) are part of the combinations.
     """
     effect, given = registry()[hypothesis.effect], given or {}
-    choices = [p.name for p in effect.parameters if not p.fitted and p.starts]
+    choices = [p.name for p in effect.choices]
     lists = []
     for name in (*hypothesis.names, *choices):
         p = effect.parameter(name)
@@ -179,9 +179,10 @@ class Prober:
 
     def gain(self, columns: Sequence[FloatArray]) -> float:
         """Return the log-likelihood that a change wins as it stands, base re-fitted linearly; -inf for none at all."""
-        x = project(self.residual, columns)[:, 0]
-        power = float(x @ x)
-        return float(x @ self.residual.psi) - 0.5 * power if power > NO_CHANGE else -np.inf
+        white = self.residual.engine.white_columns(self.residual.whiteners, columns)
+        return (
+            float(winnings(self.residual, white)[0]) if float(np.sum(white * white)) > NO_CHANGE else -np.inf
+        )
 
     def starts(self, hypothesis: Hypothesis, changes: Mapping[str, float]) -> list[Start]:
         """Return two starts: the change as declared, and with its strengths scaled by what the data ask for.
@@ -191,9 +192,10 @@ class Prober:
         """
         effect = registry()[hypothesis.effect]
         values = with_values(self.parent.values, changes, hypothesis.run)
-        x = project(self.residual, self.columns(values))[:, 0]
+        columns = self.columns(values)
+        x = project(self.residual, columns)[:, 0]
         power, score = float(x @ x), float(x @ self.residual.psi)
-        found = [Start(values, score - 0.5 * power if power > NO_CHANGE else -np.inf)]
+        found = [Start(values, self.gain(columns))]
         amplitude = score / max(power, 1e-12)
         if power > 1e-12 and (amplitude > 0 or _two_sided(effect, hypothesis)):
             size = np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE)

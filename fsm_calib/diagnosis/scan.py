@@ -13,20 +13,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsm_calib.diagnosis.adequacy import Residual, project
-from fsm_calib.diagnosis.features import body_columns, place_centres
+from fsm_calib.diagnosis.features import place_centres
 from fsm_calib.diagnosis.fit import Fit
 from fsm_calib.diagnosis.scan_areas import (
     Area,
     Columns,
     apart,
     boxes,
-    discs,
     drag_columns,
     settled,
-    slip_columns,
     strips,
 )
-from fsm_calib.diagnosis.scan_markers import jumps_of, likely_discs
+from fsm_calib.diagnosis.scan_markers import Jumps, jumps_of, likely_discs
+from fsm_calib.diagnosis.scan_pushes import APART, kicks, peaks, push_of
+from fsm_calib.diagnosis.scan_slides import slides
+from fsm_calib.diagnosis.scan_tried import tried_out
 from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.diagnosis.situation import Situation
 from fsm_calib.types import FloatArray
@@ -34,11 +35,8 @@ from fsm_calib.world2d.parameters import parameter_table
 
 PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
 SPAN_STEP = 1.5  # s between candidate begins and ends of a span
-PUSH_STEP = 0.25  # s between candidate kicks
-PUSH_LENGTH = 0.25  # s
-PUSH_APART = 1.0  # s between kicks that are not the same one: four times its length
-MASS, INERTIA = 1.1, 0.0065  # kg, kg m2 of a plain robot: a push's first guess
 KEEP = 3
+MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
 GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
 CHUNK = 96
 
@@ -103,11 +101,12 @@ class Scanner:
             for area in [*boxes(self.places()), *strips(self.situations)]
             for spread in (0.0, 1.0)
         ]
-        return self._areas("rough_floor_patch", areas, drag_columns, 1)
+        return self._areas("rough_floor_patch", areas, drag_columns)
 
     def slippery_areas(self) -> list[Candidate]:
         """Return discs of low friction: there the robot neither starts, stops nor turns as told."""
-        return self._areas("low_friction_patch", discs(self.places()), slip_columns, 3)
+        found = slides(self.simulators, self.parent, self.residual, self.places())
+        return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
     def markers(self) -> list[Candidate]:
         """Return discs inside which the poses are turned about their centre, or turned and shifted."""
@@ -115,20 +114,27 @@ class Scanner:
             jumps_of(simulator.prepared, simulated)
             for simulator, simulated in zip(self.simulators, self.parent.simulated, strict=True)
         ]
-        turned, shifted = likely_discs(jumps, False), likely_discs(jumps, True)
+        turned, shifted = (self._markers(jumps, with_shift) for with_shift in (False, True))
         cost = float(np.log(self.residual.engine.count))  # of two numbers more
         best = turned[0].promise if turned else 0.0
-        found = turned + [disc for disc in shifted if disc.promise > best + cost]
-        return [Candidate(disc.changes, disc.promise) for disc in found if not self.hopeless(disc.promise)]
+        found = turned + [candidate for candidate in shifted if candidate.promise > best + cost]
+        return [candidate for candidate in found if not self.hopeless(candidate.promise)]
 
-    def _areas(self, name: str, areas: list[Area], columns: Columns, width: int) -> list[Candidate]:
+    def _markers(self, jumps: Sequence[Jumps], shifted: bool) -> list[Candidate]:
+        """Return the best discs: jumps alone miss a faint turn that the poses inside show together."""
+        discs = likely_discs(jumps, shifted, MARKERS_TRIED)
+        wins = tried_out(self.simulators, self.parent, self.residual, [disc.changes for disc in discs])
+        promise = [max(disc.promise, float(win)) for disc, win in zip(discs, wins, strict=True)]
+        best = np.argsort(-np.array(promise))[:KEEP]
+        return [Candidate(discs[i].changes, promise[i]) for i in best]
+
+    def _areas(self, name: str, areas: list[Area], columns: Columns) -> list[Candidate]:
         """Return the best areas that lie apart, each moved and resized until it promises most."""
-        one_sided = name == "rough_floor_patch"
 
         def judge(tried: Sequence[Area]) -> FloatArray:
             blocks = [columns(run, s, tried) for run, s in enumerate(self.situations)]
-            promise, amplitude = self.scores(blocks, width)
-            return np.where(amplitude[:, 0] > 0, promise, 0.0) if one_sided else promise
+            promise, amplitude = self.scores(blocks, 1)
+            return np.where(amplitude[:, 0] > 0, promise, 0.0)
 
         promise = judge(areas)
         found = []
@@ -136,7 +142,7 @@ class Scanner:
             if self.hopeless(float(promise[areas.index(area)])):
                 continue
             best, gain = settled(area, judge)
-            found.append(Candidate({f"{name}.{k}": v for k, v in best.numbers(name).items()}, gain))
+            found.append(Candidate({f"{name}.{k}": v for k, v in best.numbers().items()}, gain))
         return found
 
     def spans(self) -> list[Candidate]:
@@ -179,58 +185,13 @@ class Scanner:
 
     def pushes(self) -> list[Candidate]:
         """Return kicks of one recording, most promising first, each with what the best kick apart from it promises."""
-        tried = [self._pushes_of(run, s) for run, s in enumerate(self.situations)]
+        tried = [kicks(self.residual, run, s) for run, s in enumerate(self.situations)]
         found = []
         for run, (starts, promise, amplitude) in enumerate(tried):
             others = max((float(p.max()) for i, (_, p, _) in enumerate(tried) if i != run), default=0.0)
-            for b in _peaks(promise, starts):
-                apart = promise[np.abs(starts - starts[b]) > PUSH_APART]
+            for b in peaks(promise, starts, KEEP):
+                apart = promise[np.abs(starts - starts[b]) > APART]
                 elsewhere = max(others, float(apart.max(initial=0.0)))
-                changes = _push(self.situations[run], float(starts[b]), amplitude[b])
+                changes = push_of(self.situations[run], float(starts[b]), amplitude[b])
                 found.append(Candidate(changes, float(promise[b]), run, elsewhere))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
-
-    def _pushes_of(self, run: int, s: Situation) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return moments (m,) [s] of one recording, what kicks promise there (m,), and their amplitudes (m, 3)."""
-        starts = np.arange(max(s.time[0], 0.0) + 0.5, s.time[-1] - 1.0, PUSH_STEP)
-        own = _kick_columns(s, starts)
-        blocks = [
-            own if i == run else np.zeros((*f.shape, own.shape[2]))
-            for i, f in enumerate(self.parent.simulated)
-        ]
-        return starts, *self.scores(blocks, 3)
-
-
-def _push(s: Situation, start: float, amplitude: FloatArray) -> dict[str, float]:
-    """Return the push that brings about speed errors `amplitude` forward, sideways and at the rim [m/s]."""
-    heading = float(np.interp(start, s.time, s.heading))
-    ahead, left, turn = amplitude * [MASS, MASS, INERTIA / s.half]
-    c, d = np.cos(heading), np.sin(heading)
-    return {
-        "external_push.impulse_x": float(np.clip(c * ahead - d * left, -3, 3)),
-        "external_push.impulse_y": float(np.clip(d * ahead + c * left, -3, 3)),
-        "external_push.impulse_turn": float(np.clip(turn, -0.3, 0.3)),
-        "external_push.start": start,
-    }
-
-
-def _peaks(promise: FloatArray, starts: FloatArray) -> list[int]:
-    kept: list[int] = []
-    for b in np.argsort(-promise):
-        if all(abs(starts[b] - starts[k]) > 2 * PUSH_STEP for k in kept):
-            kept.append(int(b))
-        if len(kept) == KEEP:
-            break
-    return kept
-
-
-def _kick_columns(s: Situation, starts: FloatArray) -> FloatArray:
-    """Return three columns a start: a speed error of 1 m/s forward, sideways, at the rim, fading after the push."""
-    shape = np.clip((s.time[:, None] - starts) / PUSH_LENGTH, 0.0, 1.0) * np.exp(
-        -np.maximum(s.time[:, None] - starts - PUSH_LENGTH, 0.0) / 0.1
-    )
-    out = np.zeros((len(s.dt), 5, 3 * len(starts)))
-    out[:, :, 0::3] = body_columns(s, forward=shape)
-    out[:, :, 1::3] = body_columns(s, lateral=shape)
-    out[:, :, 2::3] = body_columns(s, turn=shape / s.half)
-    return out

@@ -31,10 +31,8 @@ class Area:
     spread: float = 0.0
     roundness: float = 1.0
 
-    def numbers(self, effect: str) -> dict[str, float]:
+    def numbers(self) -> dict[str, float]:
         """Return the area in the words of an effect's parameters."""
-        if effect == "low_friction_patch":
-            return {"x": self.x, "y": self.y, "radius": self.half_x}
         return {"x": self.x, "y": self.y, "half_x": self.half_x, "half_y": self.half_y}
 
     @property
@@ -53,14 +51,9 @@ Columns = Callable[[int, Situation, Sequence[Area]], FloatArray]
 Judge = Callable[[Sequence[Area]], FloatArray]
 
 
-def discs(centres: FloatArray) -> list[Area]:
-    """Return discs of several radii around centres (m, 2) [m]."""
-    return [Area(float(x), float(y), r, r) for r in RADII for x, y in centres]
-
-
 def boxes(centres: FloatArray) -> list[Area]:
     """Return squares of several sizes around centres (m, 2) [m]."""
-    return [replace(area, roundness=0.0) for area in discs(centres)]
+    return [Area(float(x), float(y), r, r, roundness=0.0) for r in RADII for x, y in centres]
 
 
 def strips(situations: Sequence[Situation]) -> list[Area]:
@@ -133,13 +126,3 @@ def drag_columns(run: int, s: Situation, areas: Sequence[Area]) -> FloatArray:
     return body_columns(
         s, forward=0.5 * (loss[0] + loss[1]), turn=0.5 * spread * (loss[1] - loss[0]) / s.half
     )
-
-
-def slip_columns(run: int, s: Situation, areas: Sequence[Area]) -> FloatArray:
-    """Return three columns an area: lost forward acceleration, lost angular acceleration, slide to the side."""
-    inside = np.column_stack([area.holds(s.x, s.y) for area in areas])
-    out = np.zeros((len(s.dt), 5, 3 * len(areas)))
-    out[:, :, 0::3] = body_columns(s, forward=-inside * s.acceleration[:, None])
-    out[:, :, 1::3] = body_columns(s, turn=-inside * s.spin[:, None])
-    out[:, :, 2::3] = body_columns(s, lateral=-inside * (s.v * s.omega)[:, None])
-    return out

@@ -102,7 +102,7 @@ def jumps_of(prepared: Prepared, simulated: FloatArray, largest: float = LARGEST
     return Jumps(p.reference[poses, :2], np.clip(jump, -largest * spread, largest * spread), spread)
 
 
-def likely_discs(jumps: Sequence[Jumps], shifted: bool) -> list[Disc]:
+def likely_discs(jumps: Sequence[Jumps], shifted: bool, kept: int = KEPT) -> list[Disc]:
     """Return the most promising discs, apart from each other: of a turned marker, or of one `shifted` as well."""
     frames = Frames(
         np.vstack([j.place for j in jumps]),
@@ -113,7 +113,7 @@ def likely_discs(jumps: Sequence[Jumps], shifted: bool) -> list[Disc]:
     promise = frames.numbers(discs, shifted)[:, 0]
     found: list[FloatArray] = []
     for i in np.argsort(-promise):
-        if promise[i] <= 0.0 or len(found) == KEPT:
+        if promise[i] <= 0.0 or len(found) == kept:
             break
         if all(np.hypot(*(discs[i, :2] - disc[:2])) > APART for disc in found):
             found.append(discs[i])

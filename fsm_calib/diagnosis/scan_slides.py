@@ -1,0 +1,52 @@
+"""Where is it slippery? Spots of lost grip tried by simulation over the visited floor.
+
+A slide has no useful derivative: to first order in the loss of grip nothing happens, until the tyres let go. So spots
+are simulated. Their likelihood is flat in the centre (a robot that slides 0.1 m earlier ends up much alike) but steep
+in the grip: a spot that is too slippery sends the robot far off and looks worse than none, one that is not slippery
+enough wins part. So grips are tried from firm to loose at a coarse pitch (measured on 20 generated robots: the best
+lies within 0.15 m of each spot that shows at all, where a first-order scan found three in four).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from fsm_calib.diagnosis.adequacy import Residual
+from fsm_calib.diagnosis.fit import Fit
+from fsm_calib.diagnosis.scan_tried import tried_out
+from fsm_calib.diagnosis.simulator import Simulator
+from fsm_calib.types import FloatArray
+
+NAME = "low_friction_patch"
+RADIUS = 0.25  # m: half of a small robot's turn; smaller and larger spots are reached from it
+LOSSES = (0.5, 0.65, 0.78, 0.88)  # grips of a half to an eighth
+APART = 0.18  # m between the centres of two spots that are kept
+KEPT = 3
+
+
+def slides(
+    simulators: Sequence[Simulator], parent: Fit, residual: Residual, centres: FloatArray
+) -> list[tuple[dict[str, float], float]]:
+    """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win as such."""
+    tried = [
+        {
+            f"{NAME}.x": x,
+            f"{NAME}.y": y,
+            f"{NAME}.radius": RADIUS,
+            f"{NAME}.spread": 0.0,
+            f"{NAME}.loss": loss,
+        }
+        for (x, y), loss in product(centres.tolist(), LOSSES)
+    ]
+    promise = tried_out(simulators, parent, residual, tried)
+    kept: list[int] = []
+    for i in np.argsort(-promise):
+        x, y = tried[i][f"{NAME}.x"], tried[i][f"{NAME}.y"]
+        if all(np.hypot(x - tried[k][f"{NAME}.x"], y - tried[k][f"{NAME}.y"]) > APART for k in kept):
+            kept.append(int(i))
+        if len(kept) == KEPT:
+            break
+    return [(tried[i], float(promise[i])) for i in kept]
