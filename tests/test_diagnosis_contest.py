@@ -111,6 +111,7 @@ def at_value(fit, effect, name, value):
         ("motor_warmup", "change_left", -0.6, False),
         ("motor_warmup", "change_left", -0.3, True),
         ("motor_fault", "loss_left", 1.0, True),  # a dead motor is where nature ends
+        ("motor_fault", "loss_left", -0.5, False),  # no motor gains a half by a fault
         ("coulomb_friction", "friction", 0.0, True),  # at rest at nothing at all
     ],
 )

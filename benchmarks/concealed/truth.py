@@ -16,6 +16,8 @@ DRIVE = 60.0
 """s, the length of a concealed drive: how long a motor has warmed at its end."""
 EFFORT = 12.5
 """s of full command that a wheel has done by then: 9.6 to 14.5 on development drives."""
+USUAL_EFFORT = 20.0
+"""s, the catalogue's `effort` where a verdict does not state one: it was held."""
 KICK = 0.25
 """s, how long a concealed push lasts."""
 SPREADS_90 = 1.645
@@ -141,8 +143,8 @@ def _pairs(
 def _at_the_end(fields: Key, stated: Key) -> tuple[dict[str, float], dict[str, Any]]:
     """Return both warm-ups at the end of a drive, without intervals: one law grows with time, the other with effort."""
     grown = 1.0 - math.exp(-DRIVE / fields["warm_time"]) if "warm_time" in fields else 1.0
-    effort = (stated.get("effort") or {}).get("value")
-    done = 1.0 - math.exp(-EFFORT / effort) if effort else 1.0
+    effort, by_time = ((stated.get(name) or {}).get("value") for name in ("effort", "idle"))
+    done = 1.0 - math.exp(-(DRIVE if by_time else EFFORT) / (effort or USUAL_EFFORT))
     true = {**fields, **{f"warm_{s}": grown * fields.get(f"warm_{s}", 0.0) for s in ("left", "right")}}
     said = {
         name: {"value": done * number["value"], "sd": None}

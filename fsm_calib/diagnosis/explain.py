@@ -55,9 +55,15 @@ def verdict_of(
 
 
 def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
-    """Return the effect's fitted numbers; those that belong to a recording carry its number after the name."""
+    """Return the effect's numbers; those that belong to a recording carry its number after the name.
+
+    A choice that was tried, not fitted, is among them where it is not the usual one, without a spread.
+    """
     table, effect = parameter_table(), registry()[ranked.name]
-    found: dict[str, Estimate] = {}
+    chosen = {p.name: float(fit.values[0, table.place(f"{ranked.name}.{p.name}")]) for p in effect.choices}
+    found = {
+        p.name: Estimate(chosen[p.name], math.nan, p.unit) for p in effect.choices if chosen[p.name] != p.null
+    }
     for slot, value, variance in fit.numbers():
         if table.owner[slot.place] != ranked.name:
             continue

@@ -32,8 +32,8 @@ def has_size(ranked: Ranked) -> bool:
     table, effect = parameter_table(), registry()[ranked.name]
     for name in ranked.hypothesis.names:
         p = effect.parameter(name)
-        ends = [end for end in (p.low, p.high) if end != p.null]
-        if not p.strength or p.natural_end or not ends:
+        ends = [end for end in (p.low, *([] if p.natural_end else [p.high])) if end != p.null]
+        if not p.strength or not ends:
             continue
         values = ranked.fit.values[:, table.place(f"{ranked.name}.{name}")]
         if any(np.any(np.abs(values - end) < AT_BOUND * (p.high - p.low)) for end in ends):

@@ -61,8 +61,8 @@ class Parameter:
     step : float
         A sensible finite-difference step, in `unit`; 0 means a thousandth of the typical size.
     natural_end : bool
-        Whether nature ends at the bounds (a dead motor has lost all), so that a fit may rest there. At another bound
-        the fit asks for more of the effect than there can be.
+        Whether nature ends at the high bound (a dead motor has lost all), so that a fit may rest there. At another
+        bound the fit asks for more of the effect than there can be.
     doubt : float
         Share of the size by which the equation itself may be off, where it is not what the unit lets expect.
     """
@@ -139,6 +139,11 @@ class Effect:
     def strengths(self) -> tuple[str, ...]:
         """Names of the parameters that switch the effect on."""
         return tuple(p.name for p in self.parameters if p.strength)
+
+    @property
+    def choices(self) -> tuple[Parameter, ...]:
+        """Parameters that are tried at their start values instead of fitted."""
+        return tuple(p for p in self.parameters if not p.fitted and p.starts)
 
     def parameter(self, name: str) -> Parameter:
         """Return the parameter of that name; KeyError when there is none."""

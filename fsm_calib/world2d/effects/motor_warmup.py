@@ -1,11 +1,12 @@
 r"""A motor changes its strength as it warms up, and levels off.
 
-    T_i = K_i u_i (1 + change_i (1 - exp(-E_i / effort))),    dE_i/dt = |u_i|
+    T_i = K_i u_i (1 + change_i (1 - exp(-E_i / effort))),    dE_i/dt = (1 - idle) |u_i| + idle
 
 T [m/s] no-load rim speed of wheel i, K [m/s] gain, u [1] command, E [s] seconds of full command since the
 start of the recording, effort [s] after which 63 % of the change are done, change [1] of each wheel. Grease
-thins (positive), windings heat (negative). Source: first-order thermal model of a motor, Hughes & Drury,
-Electric Motors and Drives, 5th ed., section 11.3.
+thins (positive), windings heat (negative). idle [1]: 0 where the motor's own work heats it, 1 where what is on all
+the time does (drivers and electronics beside it); then E is the time. Source: first-order thermal model of a motor,
+Hughes & Drury, Electric Motors and Drives, 5th ed., section 11.3.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from fsm_calib.world2d.slots import COMMAND, STEP, TARGET
 def warm(P, o, S, m, W):
     """Change each wheel's target by its effort so far."""
     for side in range(2):
-        effort = abs(W[COMMAND + side]) * W[STEP]
+        effort = ((1.0 - P[o + 3]) * abs(W[COMMAND + side]) + P[o + 3]) * W[STEP]
         W[TARGET + side] *= 1.0 + P[o + side] * -math.expm1(-(S[m + side] + 0.5 * effort) / P[o + 2])
         S[m + side] += effort
 
@@ -39,13 +40,26 @@ EFFECT = Effect(
             "effort",
             "E0",
             "s",
-            8.0,
+            20.0,
             0.5,
             120.0,
             6.0,
             "tens of seconds of driving",
             strength=False,
             starts=(3.0, 10.0, 25.0),
+        ),
+        Parameter(
+            "idle",
+            "w_i",
+            "1",
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            "0 heated by its work, 1 by what is always on",
+            strength=False,
+            fitted=False,
+            starts=(0.0, 1.0),
         ),
     ),
     hooks={"step": warm},
@@ -58,6 +72,8 @@ EFFECT = Effect(
     input="command",
     source="Hughes & Drury, Electric Motors and Drives, 5th ed., section 11.3",
     variants=(
+        ("change_left",),
+        ("change_right",),
         ("change_left", "effort"),
         ("change_right", "effort"),
         ("change_left", "change_right", "effort"),
