@@ -43,18 +43,16 @@ def test_verdicts_that_join_are_sealed_beside_the_others(tmp_path):
     assert len((tmp_path / "verdicts.sha256").read_text().splitlines()) == 2
 
 
-def test_one_single_name_of_a_block_is_left_out_once(tmp_path, monkeypatch):
-    asked = []
-    monkeypatch.setattr(
-        run, "diagnose", lambda robot, out, without: asked.append(without) or written(out.parent, out.stem)
-    )
+def test_one_single_name_of_a_block_is_left_out_once(tmp_path):
+    verdicts, left_out = tmp_path / "verdicts", tmp_path / "without"
     for name, effects in (("robot-000", ()), ("robot-001", ("command_delay",)), ("robot-002", ("a", "b"))):
-        written(tmp_path / "verdicts", name, *effects)
-    (tmp_path / "without").mkdir()
+        written(verdicts, name, *effects)
+    left_out.mkdir()
     robots = [Path(f"robot-00{i}") for i in range(3)]
-    for _ in range(2):
-        run.leave_out_a_name(robots, tmp_path / "verdicts", tmp_path / "without")
-    assert asked == [("command_delay", "observation_delay")]
+    ((robot, out, without),) = run.name_to_leave_out(robots, verdicts, left_out)
+    assert (robot.name, without) == ("robot-001", ("command_delay", "observation_delay"))
+    written(out.parent, out.stem)
+    assert run.name_to_leave_out(robots, verdicts, left_out) == []
 
 
 @pytest.mark.parametrize(

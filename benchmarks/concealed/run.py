@@ -32,6 +32,10 @@ TWINS = {name: ("command_delay", "observation_delay") for name in ("command_dela
 """Names that are left out together: without encoders nothing tells them apart."""
 
 
+Task = tuple[Path, Path, tuple[str, ...]]
+"""A robot's folder, the file for its verdict, and the names that are left out of the catalogue."""
+
+
 def diagnose(folder: Path, out: Path, without: tuple[str, ...] = ()) -> str:
     """Run the command as a user would, in this worker process; write its JSON, or the error, to `out`."""
     from fsm_calib.cli import main
@@ -83,14 +87,17 @@ def all_verdicts(out: Path, jobs: int, loo: int) -> None:
     left_out.mkdir(exist_ok=True)
     robots = sorted((out / "robots").iterdir())
     block = max(1, len(robots) // loo) if loo else 10 * jobs
+    left: list[Task] = []
     for first in range(0, len(robots), block):
         some = robots[first : first + block]
-        todo = [p for p in some if not (verdicts / f"{p.name}.json").exists()]
-        Parallel(n_jobs=jobs)(delayed(diagnose)(p, verdicts / f"{p.name}.json") for p in todo)
+        tasks = [(p, verdicts / f"{p.name}.json", ()) for p in some]
+        todo = [task for task in tasks if not task[1].exists()]
+        Parallel(n_jobs=jobs)(delayed(diagnose)(*task) for task in left + todo)
         seal(out)
-        if loo:
-            leave_out_a_name(some, verdicts, left_out)
+        left = name_to_leave_out(some, verdicts, left_out) if loo else []
         print(f"{first + len(some)} of {len(robots)} robots", file=sys.stderr, flush=True)
+    for task in left:
+        diagnose(*task)
 
 
 def seal(out: Path) -> None:
@@ -104,15 +111,16 @@ def seal(out: Path) -> None:
     path.write_text("".join(f"{digest}  {name}\n" for name, digest in sorted(sealed.items())))
 
 
-def leave_out_a_name(robots: list[Path], verdicts: Path, left_out: Path) -> None:
-    """Diagnose one of the robots again without the name that it was given, if any has a single name."""
+def name_to_leave_out(robots: list[Path], verdicts: Path, left_out: Path) -> list[Task]:
+    """Return the task to diagnose one of the robots again without its name, if any has a single one; else none."""
     if any((left_out / f"{p.name}.json").exists() for p in robots):
-        return
+        return []
     for robot in sorted(robots, key=lambda p: hashlib.sha256(p.name.encode()).hexdigest()):
         named = json.loads((verdicts / f"{robot.name}.json").read_text())["effects"]
         if len(named) == 1:
-            diagnose(robot, left_out / f"{robot.name}.json", TWINS.get(named[0]["name"], (named[0]["name"],)))
-            return
+            name = named[0]["name"]
+            return [(robot, left_out / f"{robot.name}.json", TWINS.get(name, (name,)))]
+    return []
 
 
 def open_key(out: Path) -> list[dict]:
