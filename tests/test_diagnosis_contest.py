@@ -13,7 +13,7 @@ from fsm_calib.diagnosis.fit import Engine, jacobian
 from fsm_calib.diagnosis.forms import RECIPES, forms, lagged
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.hypotheses import Hypothesis
-from fsm_calib.diagnosis.plausible import has_size, is_plausible
+from fsm_calib.diagnosis.plausible import has_size, is_plausible, lasts
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.response import driven
 from fsm_calib.diagnosis.simulator import make_simulator
@@ -86,7 +86,7 @@ def test_what_forms_add_to_a_name_does_not_replace_it():
     assert Contest(40.0, ("the speed",), -3.0, (), 1000.0).replaceable(DEFAULT_GATES)
 
 
-def test_a_place_that_covers_the_floor_is_none():
+def test_a_place_that_covers_the_floor_or_is_hardly_touched_is_none():
     engine, base, _ = fitted("motor_deadband", motor_deadband__offset=0.04)
     table = parameter_table()
     values, places = base.values.copy(), [f"rough_floor_patch.{n}" for n in ("half_x", "half_y")]
@@ -95,8 +95,12 @@ def test_a_place_that_covers_the_floor_is_none():
     values = values.copy()
     values[:, table.place(places[0])] = 0.1
     narrow = replace(wide, fit=replace(base, values=values))
+    values = values.copy()
+    values[:, table.place("rough_floor_patch.x")] = 30.0
+    beside = replace(wide, fit=replace(base, values=values))
     assert not is_plausible(wide, engine.simulators)
     assert is_plausible(narrow, engine.simulators)
+    assert not is_plausible(beside, engine.simulators)
 
 
 def at_value(fit, effect, name, value):
@@ -108,7 +112,7 @@ def at_value(fit, effect, name, value):
 @pytest.mark.parametrize(
     ("effect", "name", "value", "holds"),
     [
-        ("motor_warmup", "change_left", -0.6, False),
+        ("motor_warmup", "change_left", -0.35, False),
         ("motor_warmup", "change_left", -0.3, True),
         ("motor_fault", "loss_left", 1.0, True),  # a dead motor is where nature ends
         ("motor_fault", "loss_left", -0.5, False),  # no motor gains a half by a fault
@@ -118,6 +122,12 @@ def at_value(fit, effect, name, value):
 def test_a_size_at_its_bound_is_none(saturated, effect, name, value, holds):
     _, base, _ = saturated
     assert has_size(at_value(base, effect, name, value)) is holds
+
+
+@pytest.mark.parametrize(("duration", "holds"), [(0.7, False), (6.0, True)])
+def test_a_fault_as_short_as_a_push_is_none(saturated, duration, holds):
+    _, base, _ = saturated
+    assert lasts(at_value(base, "motor_fault", "duration", duration)) is holds
 
 
 def test_switching_off_takes_strengths_alone(saturated):

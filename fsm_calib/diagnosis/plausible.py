@@ -1,9 +1,9 @@
-"""Is a fitted effect what its name says? A place is somewhere that the robot also leaves; a size is one that occurs.
+"""Is a fitted effect what its name says? A place is left again, a size is one that occurs, a fault lasts.
 
 Without the first an area that grows over the whole floor stands in for what acts everywhere (a rough floor for dry
 friction, a turned marker for a turned sensor), with as good a likelihood as theirs. Without the second a warming
 motor that is to lose more than half of its strength stands in for a battery that sags, as a slow exponential is a
-straight line.
+straight line. And a motor that fails for half a second stands in for a push.
 """
 
 from __future__ import annotations
@@ -19,12 +19,14 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 AT_BOUND = 1e-4  # of the range between the bounds: nearer, a number rests there
+SHORTEST_SPAN = 2.0  # s: within it a robot is pushed and brought back by its motors
+LEAST_INSIDE = 0.5  # s of driving: a few outliers in a row are no place
 MOST_INSIDE = 0.7  # of the driving time; by the same token a place needs a third of the drive to compare with
 
 
 def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     """Return whether an effect has a size and, if it is one, a place that its name stands for."""
-    return has_size(ranked) and leaves_floor(ranked, simulators)
+    return has_size(ranked) and lasts(ranked) and is_crossed(ranked, simulators)
 
 
 def has_size(ranked: Ranked) -> bool:
@@ -41,8 +43,16 @@ def has_size(ranked: Ranked) -> bool:
     return True
 
 
-def leaves_floor(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
-    """Return whether a place effect leaves the robot some of the floor that it drove on; True for other effects."""
+def lasts(ranked: Ranked) -> bool:
+    """Return whether a span of time is longer than a push; True for other effects."""
+    full = f"{ranked.name}.duration"
+    if "duration" not in ranked.hypothesis.names:
+        return True
+    return float(ranked.fit.values[ranked.hypothesis.run, parameter_table().place(full)]) >= SHORTEST_SPAN
+
+
+def is_crossed(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether the robot drove on the place for a while, and beside it as well; True for other effects."""
     if registry()[ranked.name].scan != "place":
         return True
     inside, total = 0.0, 0.0
@@ -50,7 +60,7 @@ def leaves_floor(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
         p = simulator.prepared
         total += float(np.sum(p.dt * p.moving))
         inside += float(np.sum((p.dt * p.moving)[in_place(ranked.name, values, p.reference)]))
-    return inside <= MOST_INSIDE * total
+    return LEAST_INSIDE <= inside <= MOST_INSIDE * total
 
 
 def in_place(name: str, values: FloatArray, path: FloatArray) -> np.ndarray:

@@ -34,8 +34,10 @@ EFFECT = Effect(
     summary="a motor's strength changes as it warms up",
     equation="T_i = K_i u_i (1 + change_i (1 - exp(-E_i/effort)))",
     parameters=(
-        Parameter("change_left", "a_l", "1", 0.0, -0.6, 0.6, -0.08, "2 to 10 %", mirror="swap:change_right"),
-        Parameter("change_right", "a_r", "1", 0.0, -0.6, 0.6, 0.06, "2 to 10 %", mirror="swap:change_left"),
+        Parameter(
+            "change_left", "a_l", "1", 0.0, -0.35, 0.35, -0.08, "2 to 10 %", mirror="swap:change_right"
+        ),
+        Parameter("change_right", "a_r", "1", 0.0, -0.35, 0.35, 0.06, "2 to 10 %", mirror="swap:change_left"),
         Parameter(
             "effort",
             "E0",
