@@ -41,8 +41,8 @@ class Gates:
     is taken out again).
     """
 
-    detect: float = 10.0
-    detect_encoders: float = 12.0
+    detect: float = 12.0
+    detect_encoders: float = 13.0
     surprise: float = 6.0
     share: float = 0.12
     rival: float = 8.0
