@@ -1,8 +1,9 @@
-"""Where on the floor, or when, could it be? Linear scans that give place and event effects their starts.
+"""Where on the floor, or when, could it be? Scans that give place and event effects their starts.
 
-A candidate's effect on the increments is written down to first order (drag inside an area, a weak motor during a
-span, a kick) and all candidates pass the whitening filter as columns; what each could win is one small projection.
-The winners, kept apart from each other, become starts of full fits.
+Where the effect on the increments is nearly linear (drag inside an area, a weak motor during a span) it is written
+down to first order, all candidates pass the whitening filter as columns, and what each could win is one small
+projection. Slides, turned markers and kicks are not: they have scans of their own (`scan_slides.py`,
+`scan_markers.py`, `scan_pushes.py`). The winners, kept apart from each other, become starts of full fits.
 """
 
 from __future__ import annotations
@@ -15,15 +16,7 @@ import numpy as np
 from fsm_calib.diagnosis.adequacy import Residual, project
 from fsm_calib.diagnosis.features import place_centres
 from fsm_calib.diagnosis.fit import Fit
-from fsm_calib.diagnosis.scan_areas import (
-    Area,
-    Columns,
-    apart,
-    boxes,
-    drag_columns,
-    settled,
-    strips,
-)
+from fsm_calib.diagnosis.scan_areas import Area, apart, boxes, drag_columns, settled, strips
 from fsm_calib.diagnosis.scan_markers import Jumps, jumps_of, likely_discs
 from fsm_calib.diagnosis.scan_pushes import APART, kicks, peaks, push_of
 from fsm_calib.diagnosis.scan_slides import slides
@@ -39,6 +32,7 @@ KEEP = 3
 MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
 GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
 CHUNK = 96
+RIDGE, NO_POWER = 1e-9, 1e-12  # a candidate that the base robot can take over wholly has no power of its own
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,40 +62,47 @@ class Scanner:
         """Return whether a candidate promises too little even if it still grows."""
         return GROWTH * promise < self.worth
 
-    def scores(self, blocks: Sequence[FloatArray], width: int) -> tuple[FloatArray, FloatArray]:
-        """Return promise (c,) and amplitudes (c, width) of candidates with `width` adjacent columns each."""
+    def scores(self, blocks: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Return promise (c,) and amplitude (c,) of candidates with a column each."""
         total = blocks[0].shape[2]
-        parts = [slice(i, min(total, i + CHUNK * width)) for i in range(0, total, CHUNK * width)]
-        found = [self._scores([b[:, :, part] for b in blocks], width) for part in parts]
+        parts = [slice(i, min(total, i + CHUNK)) for i in range(0, total, CHUNK)]
+        found = [self._scores([b[:, :, part] for b in blocks]) for part in parts]
         return np.concatenate([p for p, _ in found]), np.concatenate([a for _, a in found])
 
-    def _scores(self, blocks: Sequence[FloatArray], width: int) -> tuple[FloatArray, FloatArray]:
+    def _scores(self, blocks: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Return `scores` of a chunk; projected products come from the products of what is projected out."""
         r = self.residual
         white = r.engine.white_columns(r.whiteners, blocks)
         inside = r.basis.T @ white
-        score = (white.T @ r.psi - inside.T @ (r.basis.T @ r.psi)).reshape(-1, width)
-        by_candidate = white.reshape(len(white), -1, width), inside.reshape(len(inside), -1, width)
-        whole, lost = (np.einsum("nci,ncj->cij", part, part, optimize=True) for part in by_candidate)
-        gram = whole - lost
-        size = np.maximum(np.trace(gram, axis1=1, axis2=2), 1e-12)
-        solved = np.linalg.solve(gram + 1e-9 * size[:, None, None] * np.eye(width), score[:, :, None])[
-            :, :, 0
-        ]
-        return 0.5 * np.sum(score * solved, axis=1), solved
+        score = white.T @ r.psi - inside.T @ (r.basis.T @ r.psi)
+        power = np.sum(white * white, axis=0) - np.sum(inside * inside, axis=0)
+        amplitude = score / ((1.0 + RIDGE) * np.maximum(power, NO_POWER))
+        return 0.5 * score * amplitude, amplitude
 
     def places(self) -> FloatArray:
         """Return candidate centres (m, 2) [m]."""
         return place_centres(self.situations, PITCH)
 
     def drag_areas(self) -> list[Candidate]:
-        """Return areas of rough floor, felt under each wheel or under the body's middle."""
+        """Return areas of rough floor, felt under each wheel or under the body's middle, moved and resized uphill."""
         areas = [
             replace(area, spread=spread)
             for area in [*boxes(self.places()), *strips(self.situations)]
             for spread in (0.0, 1.0)
         ]
-        return self._areas("rough_floor_patch", areas, drag_columns)
+        promise = self._drags(areas)
+        found = []
+        for area in apart(areas, promise, KEEP, 1.5 * PITCH):
+            if self.hopeless(float(promise[areas.index(area)])):
+                continue
+            best, gain = settled(area, self._drags)
+            found.append(Candidate({f"rough_floor_patch.{k}": v for k, v in best.numbers().items()}, gain))
+        return found
+
+    def _drags(self, areas: Sequence[Area]) -> FloatArray:
+        """Return what a drag in each area promises (c,); a rough floor never pushes."""
+        promise, amplitude = self.scores([drag_columns(s, areas) for s in self.situations])
+        return np.where(amplitude > 0, promise, 0.0)
 
     def slippery_areas(self) -> list[Candidate]:
         """Return discs of low friction: there the robot neither starts, stops nor turns as told."""
@@ -127,23 +128,6 @@ class Scanner:
         promise = [max(disc.promise, float(win)) for disc, win in zip(discs, wins, strict=True)]
         best = np.argsort(-np.array(promise))[:KEEP]
         return [Candidate(discs[i].changes, promise[i]) for i in best]
-
-    def _areas(self, name: str, areas: list[Area], columns: Columns) -> list[Candidate]:
-        """Return the best areas that lie apart, each moved and resized until it promises most."""
-
-        def judge(tried: Sequence[Area]) -> FloatArray:
-            blocks = [columns(run, s, tried) for run, s in enumerate(self.situations)]
-            promise, amplitude = self.scores(blocks, 1)
-            return np.where(amplitude[:, 0] > 0, promise, 0.0)
-
-        promise = judge(areas)
-        found = []
-        for area in apart(areas, promise, KEEP, 1.5 * PITCH):
-            if self.hopeless(float(promise[areas.index(area)])):
-                continue
-            best, gain = settled(area, judge)
-            found.append(Candidate({f"{name}.{k}": v for k, v in best.numbers().items()}, gain))
-        return found
 
     def spans(self) -> list[Candidate]:
         """Return spans of one recording in which one wheel's motor is weaker."""

@@ -47,7 +47,6 @@ class Area:
         return (reach < 1.0).astype(float)
 
 
-Columns = Callable[[int, Situation, Sequence[Area]], FloatArray]
 Judge = Callable[[Sequence[Area]], FloatArray]
 
 
@@ -114,7 +113,7 @@ def neighbours(area: Area, step: float) -> Iterator[Area]:
         yield replace(area, roundness=1.0 - area.roundness, half_x=half, half_y=half)
 
 
-def drag_columns(run: int, s: Situation, areas: Sequence[Area]) -> FloatArray:
+def drag_columns(s: Situation, areas: Sequence[Area]) -> FloatArray:
     """Return increments (n, 5, areas) of a unit loss of rim speed on each side that stands in an area."""
     loss = np.zeros((2, len(s.dt), len(areas)))
     for side, sign in enumerate((1.0, -1.0)):
