@@ -30,6 +30,12 @@ def marked():
     return bank_of(*(recording(seed, **numbers) for seed in (0, 1)))
 
 
+def fitted(bank, name):
+    (ranked,) = bank.rank([registry()[name]])
+    numbers = ranked.fit.slot_values()[-len(ranked.hypothesis.names) :]
+    return dict(zip(ranked.hypothesis.names, numbers, strict=True))
+
+
 def discs_of(bank, shifted=False):
     pairs = zip(bank.engine.simulators, bank.parent.simulated, strict=True)
     return likely_discs([jumps_of(s.prepared, simulated) for s, simulated in pairs], shifted)
@@ -58,10 +64,7 @@ def test_the_jumps_show_where_a_turned_marker_lies(marked):
 
 
 def test_a_turned_marker_is_fitted_from_there(marked):
-    (ranked,) = marked.rank([registry()["misplaced_marker"]])
-    found = dict(
-        zip(ranked.hypothesis.names, ranked.fit.slot_values()[-len(ranked.hypothesis.names) :], strict=True)
-    )
+    found = fitted(marked, "misplaced_marker")
     assert found["turn"] == pytest.approx(MARKER["turn"], rel=0.1)
     assert np.hypot(found["x"] - MARKER["x"], found["y"] - MARKER["y"]) < 0.03
 
@@ -120,10 +123,7 @@ def test_a_slippery_spot_is_found_from_anywhere_on_the_floor(slippery):
 
 
 def test_a_slippery_spot_is_fitted_from_there(slippery):
-    (ranked,) = slippery.rank([registry()["low_friction_patch"]])
-    found = dict(
-        zip(ranked.hypothesis.names, ranked.fit.slot_values()[-len(ranked.hypothesis.names) :], strict=True)
-    )
+    found = fitted(slippery, "low_friction_patch")
     assert found["loss"] == pytest.approx(PATCH["loss"], abs=0.1)
     assert np.hypot(found["x"] - PATCH["x"], found["y"] - PATCH["y"]) < 0.1
 

@@ -12,8 +12,9 @@ from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.doubt import with_doubt
 from fsm_calib.diagnosis.fit import Engine
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, adequacy
+from fsm_calib.diagnosis.leaders import apart
 from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.scan_areas import Area, apart, settled
+from fsm_calib.diagnosis.scan_areas import Area, settled
 from fsm_calib.diagnosis.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
 
@@ -91,9 +92,9 @@ def test_areas_climb_to_the_most_promising_place():
     assert gain > 0.95
 
 
-def test_kept_areas_lie_apart():
-    areas = [Area(x, 0.0, 0.1, 0.1) for x in (0.0, 0.05, 0.5)]
-    assert [a.x for a in apart(areas, np.array([3.0, 2.0, 1.0]), 3, 0.2)] == [0.0, 0.5]
+def test_kept_candidates_lie_apart():
+    centres = np.array([[0.0, 0.0], [0.05, 0.0], [0.5, 0.0]])
+    assert apart(np.array([2.0, 3.0, 1.0]), centres, keep=3, distance=0.2) == [1, 2]
 
 
 def test_forces_carry_the_doubt_of_the_mass():

@@ -17,7 +17,7 @@ from scipy.stats import chi2
 
 from fsm_calib.diagnosis.features import Group
 from fsm_calib.diagnosis.fit import Engine, Fit
-from fsm_calib.diagnosis.likelihood import Whitener, robust_weights
+from fsm_calib.diagnosis.likelihood import Whitener, log_kernel, robust_weights
 from fsm_calib.types import FloatArray
 
 
@@ -57,8 +57,12 @@ def residual_of(engine: Engine, fit: Fit) -> Residual:
 
 
 def project(residual: Residual, columns: Sequence[FloatArray]) -> FloatArray:
+    """Return columns whitened (N, m), without what the fitted parameters can do."""
+    return free_part(residual, residual.engine.white_columns(residual.whiteners, columns))
+
+
+def free_part(residual: Residual, white: FloatArray) -> FloatArray:
     """Return whitened columns (N, m) without what the fitted parameters can do."""
-    white = residual.engine.white_columns(residual.whiteners, columns)
     return white - residual.basis @ (residual.basis.T @ white)
 
 
@@ -68,15 +72,12 @@ def winnings(residual: Residual, changes: FloatArray) -> FloatArray:
     A score test sees no more of an outlier than the robust weights leave; an event or a slide that makes outliers is
     judged by the densities themselves. The base is re-fitted with the weights of the residual before the change.
     """
-    nu, weighted = (
-        residual.engine.nu,
-        residual.basis * robust_weights(residual.white, residual.engine.nu)[:, None],
-    )
-    before = float(np.log1p(residual.white**2 / (nu - 2.0)).sum())
+    nu = residual.engine.nu
+    weighted = residual.basis * robust_weights(residual.white, nu)[:, None]
     left = residual.white[:, None] - changes
     fitted = left - residual.basis @ np.linalg.solve(weighted.T @ residual.basis, weighted.T @ left)
-    after = np.minimum(*(np.log1p(e * e / (nu - 2.0)).sum(axis=0) for e in (left, fitted)))
-    return np.asarray(0.5 * (nu + 1.0) * (before - after), dtype=float)
+    after = np.maximum(log_kernel(left, nu), log_kernel(fitted, nu))
+    return after - log_kernel(residual.white, nu)
 
 
 def test_group(residual: Residual, group: Group) -> LeftOver:

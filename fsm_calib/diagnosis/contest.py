@@ -25,7 +25,7 @@ from fsm_calib.diagnosis.fit import Engine, Fit, simulate_all
 from fsm_calib.diagnosis.forms import forms
 from fsm_calib.diagnosis.gates import Gates
 from fsm_calib.diagnosis.hypotheses import switched_off
-from fsm_calib.diagnosis.likelihood import robust_weights
+from fsm_calib.diagnosis.likelihood import log_kernel, robust_weights
 from fsm_calib.diagnosis.scan_markers import jump_evidence
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
@@ -129,11 +129,7 @@ class Linear:
             numbers = np.linalg.solve(normal, weighted.T @ self.residual - weight * self.offset / scale)
         left = self.residual - x @ numbers
         off = self.offset + numbers / scale
-        return left, off, _log_likelihood(left, self.nu) - 0.5 * float(np.sum(weight * off * off))
-
-
-def _log_likelihood(white: FloatArray, nu: float) -> float:
-    return float(-0.5 * (nu + 1.0) * np.sum(np.log1p(white * white / (nu - 2.0))))
+        return left, off, float(log_kernel(left, self.nu) - 0.5 * np.sum(weight * off * off))
 
 
 def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Contest:
@@ -146,7 +142,7 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
     off = simulate_all(engine.simulators, switched_off(fit.values, effects))
     bare = _linear(engine, fit, engine.residual(whiteners, off), columns[:, :base], base)
     log_n, choice = float(np.log(engine.count)), 2.0 * float(np.log(len(pool.quantities)))
-    score = _log_likelihood(named.residual, named.nu) - 0.5 * _prior(named)
+    score = float(log_kernel(named.residual, named.nu)) - 0.5 * _prior(named)
     target = 2.0 * score - (len(fit.slots) - base) * log_n
     begun, path = _climb(bare, pool, MOST_INSTEAD)
     instead = [

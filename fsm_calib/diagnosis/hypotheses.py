@@ -14,7 +14,7 @@ from itertools import product
 
 import numpy as np
 
-from fsm_calib.diagnosis.adequacy import Residual, project, winnings
+from fsm_calib.diagnosis.adequacy import Residual, free_part, project, winnings
 from fsm_calib.diagnosis.base import slot_of
 from fsm_calib.diagnosis.fit import ALL_RUNS, Fit, Slot
 from fsm_calib.diagnosis.simulator import Simulator
@@ -179,10 +179,11 @@ class Prober:
 
     def gain(self, columns: Sequence[FloatArray]) -> float:
         """Return the log-likelihood that a change wins as it stands, base re-fitted linearly; -inf for none at all."""
-        white = self.residual.engine.white_columns(self.residual.whiteners, columns)
-        return (
-            float(winnings(self.residual, white)[0]) if float(np.sum(white * white)) > NO_CHANGE else -np.inf
-        )
+        return self._gain(self.residual.engine.white_columns(self.residual.whiteners, columns))
+
+    def _gain(self, white: FloatArray) -> float:
+        changes = float(np.sum(white * white)) > NO_CHANGE
+        return float(winnings(self.residual, white)[0]) if changes else -np.inf
 
     def starts(self, hypothesis: Hypothesis, changes: Mapping[str, float]) -> list[Start]:
         """Return two starts: the change as declared, and with its strengths scaled by what the data ask for.
@@ -192,10 +193,10 @@ class Prober:
         """
         effect = registry()[hypothesis.effect]
         values = with_values(self.parent.values, changes, hypothesis.run)
-        columns = self.columns(values)
-        x = project(self.residual, columns)[:, 0]
+        white = self.residual.engine.white_columns(self.residual.whiteners, self.columns(values))
+        x = free_part(self.residual, white)[:, 0]
         power, score = float(x @ x), float(x @ self.residual.psi)
-        found = [Start(values, self.gain(columns))]
+        found = [Start(values, self._gain(white))]
         amplitude = score / max(power, 1e-12)
         if power > 1e-12 and (amplitude > 0 or _two_sided(effect, hypothesis)):
             size = np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE)

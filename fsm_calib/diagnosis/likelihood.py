@@ -63,6 +63,11 @@ class Whitener:
         return np.log(self.scale[self.prepared.scored])
 
 
+def log_kernel(white: FloatArray, nu: float) -> FloatArray:
+    """Return the log-likelihood of innovations (N, ...) up to a constant, summed over the first axis."""
+    return np.asarray(-0.5 * (nu + 1) * np.sum(np.log1p(white * white / (nu - 2)), axis=0))
+
+
 def log_density(white: FloatArray, log_scale: FloatArray, nu: float) -> FloatArray:
     """Return log p of every innovation: Student's t with unit variance in `white`."""
     constant = lgamma((nu + 1) / 2) - lgamma(nu / 2) - 0.5 * log((nu - 2) * pi)

@@ -16,9 +16,10 @@ import numpy as np
 from fsm_calib.diagnosis.adequacy import Residual, project
 from fsm_calib.diagnosis.features import place_centres
 from fsm_calib.diagnosis.fit import Fit
-from fsm_calib.diagnosis.scan_areas import Area, apart, boxes, drag_columns, settled, strips
+from fsm_calib.diagnosis.leaders import apart
+from fsm_calib.diagnosis.scan_areas import Area, boxes, drag_columns, settled, strips
 from fsm_calib.diagnosis.scan_markers import Jumps, jumps_of, likely_discs
-from fsm_calib.diagnosis.scan_pushes import APART, kicks, peaks, push_of
+from fsm_calib.diagnosis.scan_pushes import APART, STEP, kicks, push_of
 from fsm_calib.diagnosis.scan_slides import slides
 from fsm_calib.diagnosis.scan_tried import tried_out
 from fsm_calib.diagnosis.simulator import Simulator
@@ -92,10 +93,11 @@ class Scanner:
         ]
         promise = self._drags(areas)
         found = []
-        for area in apart(areas, promise, KEEP, 1.5 * PITCH):
-            if self.hopeless(float(promise[areas.index(area)])):
+        centres = np.array([(area.x, area.y) for area in areas])
+        for i in apart(promise, centres, KEEP, 1.5 * PITCH):
+            if self.hopeless(float(promise[i])):
                 continue
-            best, gain = settled(area, self._drags)
+            best, gain = settled(areas[i], self._drags)
             found.append(Candidate({f"rough_floor_patch.{k}": v for k, v in best.numbers().items()}, gain))
         return found
 
@@ -106,7 +108,7 @@ class Scanner:
 
     def slippery_areas(self) -> list[Candidate]:
         """Return discs of low friction: there the robot neither starts, stops nor turns as told."""
-        found = slides(self.simulators, self.parent, self.residual, self.places())
+        found = slides(self.parent, self.residual, self.places())
         return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
     def markers(self) -> list[Candidate]:
@@ -124,7 +126,7 @@ class Scanner:
     def _markers(self, jumps: Sequence[Jumps], shifted: bool) -> list[Candidate]:
         """Return the best discs: jumps alone miss a faint turn that the poses inside show together."""
         discs = likely_discs(jumps, shifted, MARKERS_TRIED)
-        wins = tried_out(self.simulators, self.parent, self.residual, [disc.changes for disc in discs])
+        wins = tried_out(self.parent, self.residual, [disc.changes for disc in discs])
         promise = [max(disc.promise, float(win)) for disc, win in zip(discs, wins, strict=True)]
         best = np.argsort(-np.array(promise))[:KEEP]
         return [Candidate(discs[i].changes, promise[i]) for i in best]
@@ -173,9 +175,9 @@ class Scanner:
         found = []
         for run, (starts, promise, amplitude) in enumerate(tried):
             others = max((float(p.max()) for i, (_, p, _) in enumerate(tried) if i != run), default=0.0)
-            for b in peaks(promise, starts, KEEP):
-                apart = promise[np.abs(starts - starts[b]) > APART]
-                elsewhere = max(others, float(apart.max(initial=0.0)))
+            for b in apart(promise, starts[:, None], KEEP, 2 * STEP):
+                far = promise[np.abs(starts - starts[b]) > APART]
+                elsewhere = max(others, float(far.max(initial=0.0)))
                 changes = push_of(self.situations[run], float(starts[b]), amplitude[b])
                 found.append(Candidate(changes, float(promise[b]), run, elsewhere))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]

@@ -70,18 +70,6 @@ def _line(tracks: Sequence[FloatArray]) -> FloatArray:
     return np.arange(min(float(t.min()) for t in tracks), max(float(t.max()) for t in tracks), STRIP_PITCH)
 
 
-def apart(areas: Sequence[Area], promise: FloatArray, keep: int, distance: float) -> list[Area]:
-    """Return the `keep` most promising areas whose centres lie further than `distance` [m] from each other."""
-    kept: list[Area] = []
-    for i in np.argsort(-promise):
-        area = areas[i]
-        if all(np.hypot(area.x - k.x, area.y - k.y) > distance for k in kept):
-            kept.append(area)
-        if len(kept) == keep:
-            break
-    return kept
-
-
 def settled(area: Area, judge: Judge) -> tuple[Area, float]:
     """Move and resize an area while that promises more; return it with its promise."""
     best, gain = area, float(judge([area])[0])

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from fsm_calib.diagnosis.leaders import apart
 from fsm_calib.diagnosis.prepared import Prepared
 from fsm_calib.types import FloatArray
 
@@ -111,13 +112,10 @@ def likely_discs(jumps: Sequence[Jumps], shifted: bool, kept: int = KEPT) -> lis
     )
     discs = _grid(frames.place)
     promise = frames.numbers(discs, shifted)[:, 0]
-    found: list[FloatArray] = []
-    for i in np.argsort(-promise):
-        if promise[i] <= 0.0 or len(found) == kept:
-            break
-        if all(np.hypot(*(discs[i, :2] - disc[:2])) > APART for disc in found):
-            found.append(discs[i])
-    return sorted((_refined(frames, disc, shifted) for disc in found), key=lambda disc: -disc.promise)
+    any_good = promise > 0.0
+    promise, discs = promise[any_good], discs[any_good]
+    found = [_refined(frames, discs[i], shifted) for i in apart(promise, discs[:, :2], kept, APART)]
+    return sorted(found, key=lambda disc: -disc.promise)
 
 
 def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray], count: int) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.adequacy import Residual
 from fsm_calib.diagnosis.features import body_columns
-from fsm_calib.diagnosis.likelihood import robust_weights
+from fsm_calib.diagnosis.likelihood import log_kernel, robust_weights
 from fsm_calib.diagnosis.situation import Situation
 from fsm_calib.types import FloatArray
 
@@ -34,7 +34,7 @@ def kicks(residual: Residual, run: int, s: Situation) -> tuple[FloatArray, Float
     time = np.broadcast_to(whitener.prepared.time[:, None], scored.shape)[scored]
     before = sum(int(w.prepared.scored.sum()) for w in residual.whiteners[:run])
     white = residual.white[before : before + len(time)]
-    columns = -whitener.columns(_trains(s, starts))
+    columns = residual.engine.white_columns((whitener,), (_trains(s, starts),))
     won = np.zeros(len(starts))
     amplitude = np.zeros((len(starts), 3))
     for b, start in enumerate(starts.tolist()):
@@ -58,8 +58,7 @@ def _fitted(x: FloatArray, white: FloatArray, nu: float) -> tuple[float, FloatAr
         numbers = np.asarray(np.linalg.solve(normal, weighted.T @ white), dtype=float)
         left = white - x @ numbers
         weights = robust_weights(left, nu)
-    gain = np.log1p(white * white / (nu - 2.0)).sum() - np.log1p(left * left / (nu - 2.0)).sum()
-    return 0.5 * (nu + 1.0) * float(gain), numbers
+    return float(log_kernel(left, nu) - log_kernel(white, nu)), numbers
 
 
 def _trains(s: Situation, starts: FloatArray) -> FloatArray:
@@ -72,17 +71,6 @@ def _trains(s: Situation, starts: FloatArray) -> FloatArray:
     out[:, :, 1::3] = body_columns(s, lateral=trains)
     out[:, :, 2::3] = body_columns(s, turn=trains / s.half)
     return out
-
-
-def peaks(promise: FloatArray, starts: FloatArray, keep: int) -> list[int]:
-    """Return the `keep` most promising moments, neighbours left out."""
-    kept: list[int] = []
-    for b in np.argsort(-promise):
-        if all(abs(starts[b] - starts[k]) > 2 * STEP for k in kept):
-            kept.append(int(b))
-        if len(kept) == keep:
-            break
-    return kept
 
 
 def push_of(s: Situation, start: float, amplitude: FloatArray) -> dict[str, float]:

@@ -9,15 +9,14 @@ lies within 0.15 m of each spot that shows at all, where a first-order scan foun
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
 
 from fsm_calib.diagnosis.adequacy import Residual
 from fsm_calib.diagnosis.fit import Fit
+from fsm_calib.diagnosis.leaders import apart
 from fsm_calib.diagnosis.scan_tried import tried_out
-from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.types import FloatArray
 
 NAME = "low_friction_patch"
@@ -27,9 +26,7 @@ APART = 0.18  # m between the centres of two spots that are kept
 KEPT = 3
 
 
-def slides(
-    simulators: Sequence[Simulator], parent: Fit, residual: Residual, centres: FloatArray
-) -> list[tuple[dict[str, float], float]]:
+def slides(parent: Fit, residual: Residual, centres: FloatArray) -> list[tuple[dict[str, float], float]]:
     """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win as such."""
     tried = [
         {
@@ -41,12 +38,6 @@ def slides(
         }
         for (x, y), loss in product(centres.tolist(), LOSSES)
     ]
-    promise = tried_out(simulators, parent, residual, tried)
-    kept: list[int] = []
-    for i in np.argsort(-promise):
-        x, y = tried[i][f"{NAME}.x"], tried[i][f"{NAME}.y"]
-        if all(np.hypot(x - tried[k][f"{NAME}.x"], y - tried[k][f"{NAME}.y"]) > APART for k in kept):
-            kept.append(int(i))
-        if len(kept) == KEPT:
-            break
+    promise = tried_out(parent, residual, tried)
+    kept = apart(promise, np.repeat(centres, len(LOSSES), axis=0), KEPT, APART)
     return [(tried[i], float(promise[i])) for i in kept]

@@ -8,42 +8,29 @@ import numpy as np
 
 from fsm_calib.diagnosis.adequacy import Residual, winnings
 from fsm_calib.diagnosis.fit import AT_A_TIME, Fit
-from fsm_calib.diagnosis.likelihood import Whitener
-from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
 
 
-def tried_out(
-    simulators: Sequence[Simulator],
-    parent: Fit,
-    residual: Residual,
-    candidates: Sequence[Mapping[str, float]],
-) -> FloatArray:
+def tried_out(parent: Fit, residual: Residual, candidates: Sequence[Mapping[str, float]]) -> FloatArray:
     """Return the log-likelihood (m,) that each candidate wins over `parent`; all set the same full names."""
-    if not candidates:
-        return np.empty(0)
-    changes = [
-        _changes(simulator, whitener, parent.values[run], parent.simulated[run], candidates)
-        for run, (simulator, whitener) in enumerate(zip(simulators, residual.whiteners, strict=True))
-    ]
-    return winnings(residual, np.concatenate(changes))
+    engine = residual.engine
+    won = [np.empty(0)]
+    for first in range(0, len(candidates), AT_A_TIME):
+        some = candidates[first : first + AT_A_TIME]
+        columns = [
+            np.moveaxis(simulator.increments(_rows(values, some)) - before, 0, 2)
+            for simulator, values, before in zip(
+                engine.simulators, parent.values, parent.simulated, strict=True
+            )
+        ]
+        won.append(winnings(residual, engine.white_columns(residual.whiteners, columns)))
+    return np.concatenate(won)
 
 
-def _changes(
-    simulator: Simulator,
-    whitener: Whitener,
-    values: FloatArray,
-    simulated: FloatArray,
-    candidates: Sequence[Mapping[str, float]],
-) -> FloatArray:
-    """Return the whitened changes (N, m) of one recording, with the sign of whitened derivatives."""
-    table = parameter_table()
+def _rows(values: FloatArray, candidates: Sequence[Mapping[str, float]]) -> FloatArray:
+    """Return the parameters (m, p) of each candidate on top of `values` (p,)."""
     rows = np.repeat(values[None], len(candidates), axis=0)
     for name in candidates[0]:
-        rows[:, table.place(name)] = [numbers[name] for numbers in candidates]
-    parts = [
-        whitener.columns(np.moveaxis(simulated - simulator.increments(rows[i : i + AT_A_TIME]), 0, 2))
-        for i in range(0, len(rows), AT_A_TIME)
-    ]
-    return np.concatenate(parts, axis=1)
+        rows[:, parameter_table().place(name)] = [numbers[name] for numbers in candidates]
+    return rows
