@@ -8,11 +8,11 @@ from diagnosis_robots import recording
 
 from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names, slot_of
-from fsm_calib.diagnosis.contest import Contest, Linear, contest, switched_off
+from fsm_calib.diagnosis.contest import Contest, Linear, contest
 from fsm_calib.diagnosis.fit import Engine, jacobian
 from fsm_calib.diagnosis.forms import RECIPES, forms, lagged
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.hypotheses import Hypothesis
+from fsm_calib.diagnosis.hypotheses import Hypothesis, switched_off
 from fsm_calib.diagnosis.plausible import has_size, is_plausible, lasts
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.response import driven
@@ -67,6 +67,14 @@ def test_a_neighbour_of_the_truth_loses():
     found = contest(engine, base, fit, ["motor_gain_curve"])
     assert found.misshapen(DEFAULT_GATES) or found.replaceable(DEFAULT_GATES)
     assert "the command's size" in found.instead_quantities + found.beside_quantities
+
+
+def test_a_slide_that_carries_the_base_robot_far_is_not_replaced():
+    spot = {"x": 0.12, "y": 0.05, "radius": 0.25, "loss": 0.8}
+    numbers = {f"low_friction_patch__{name}": value for name, value in spot.items()}
+    engine, base, fit = fitted("low_friction_patch", **numbers)
+    found = contest(engine, base, fit, ["low_friction_patch"])
+    assert found.instead < -0.3 * found.explained
 
 
 def test_the_reason_names_the_quantity():

@@ -52,7 +52,7 @@ class Gates:
     curious: float = 4.5
     dominant: float = 0.25
     ruling: float = 0.15
-    least_confidence: float = 0.6
+    least_confidence: float = 0.5
     form_instead: float = 10.0
     instead_share: float = 0.02
     form_beside: float = 10.0
