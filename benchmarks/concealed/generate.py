@@ -160,25 +160,15 @@ def _csv(path: Path, header: str, rows) -> None:
     path.write_bytes(gzip.compress(text.encode(), mtime=0))
 
 
-def _draws(run: str, seed: list[int]) -> np.random.Generator:
-    return np.random.default_rng([*seed, 50 + RUNS.index(run)])
-
-
-def _with_phases(run: str, seed: list[int], physics):
-    """The robot with its wheels turned as they are when the run begins."""
-    g = _draws(run, seed)
-    return physics._replace(phase_left=g.uniform(0, 6.28), phase_right=g.uniform(0, 6.28))
-
-
-def _drive_of(
-    run: str, seed: list[int], physics, profile: str
-) -> tuple[Drive, np.ndarray, np.random.Generator]:
-    """What a run's robot is told and where it starts, as `physics` would drive it; and the draws that go on from there."""
-    g, physics = _draws(run, seed), _with_phases(run, seed, physics)
-    g.uniform(0, 6.28, 2)  # the phases
+def _begun(run: str, seed: list[int], physics, profile: str):
+    """The robot with its wheels turned as they are when a run begins, what it is told, where it starts, and the draws
+    that go on from there.
+    """
+    g = np.random.default_rng([*seed, 50 + RUNS.index(run)])
+    physics = physics._replace(phase_left=g.uniform(0, 6.28), phase_right=g.uniform(0, 6.28))
     x0 = np.array([g.uniform(-0.25, 0.25), g.uniform(-0.25, 0.25), g.uniform(-3.14, 3.14)])
     own = "held_out" if run == "run-h" and profile == "mixed" else profile
-    return make_drive(g, physics, x0, own), x0, g
+    return physics, make_drive(g, physics, x0, own), x0, g
 
 
 def make_robot(out: Path, index: int, row: dict, seed: int) -> dict:
@@ -189,7 +179,7 @@ def make_robot(out: Path, index: int, row: dict, seed: int) -> dict:
     profile = "poor" if row.get("poor") else "mixed"
     size, found = 0.0, 1.0
     if row["names"]:
-        trial, x0, _ = _drive_of("run-a", s, base, "mixed")
+        _, trial, x0, _ = _begun("run-a", s, base, "mixed")
         size, found = _choose_size(row, s, base, sensor, trial, x0)
     physics, effect = _parameters(row["names"], size, s, base)
     once = [n for n in row["names"] if BY_NAME[n].once]
@@ -197,8 +187,7 @@ def make_robot(out: Path, index: int, row: dict, seed: int) -> dict:
     for run in RUNS:
         plain, _ = _parameters([n for n in row["names"] if n not in once], size, s, base)
         used = physics if (run == "run-a" or not once) else plain
-        drive, x0, g = _drive_of(run, s, used, profile)
-        used = _with_phases(run, s, used)
+        used, drive, x0, g = _begun(run, s, used, profile)
         if run == "run-a" and row["names"] and profile == "mixed":
             noise = floor(base, sensor, drive, x0, np.random.default_rng([*s, 3]))
             found = ratio(used, effect, base, drive, x0, noise)
