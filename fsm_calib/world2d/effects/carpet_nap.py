@@ -1,10 +1,11 @@
 r"""A carpet's pile resists more against its lie than along it.
 
-    F = -(|n| - n . d) d v / sqrt(v^2 + creep^2)
+    F = -(|n| - n . d) d        d = e v / sqrt(v^2 + v_b^2)
 
-d: unit vector of the motion (forward or backward) in `world`, v [m/s] its speed, n [N]: the nap's vector,
-pointing where driving is easiest: no additional drag along it, |n| across it, 2 |n| against it. It only ever
-resists. Source: direction dependence of rolling resistance on pile carpet; the cosine is the lowest harmonic
+e: unit vector ahead in `world`, v [m/s] the speed along it, n [N]: the nap's vector, pointing where driving is
+easiest: no additional drag along it, |n| across it, 2 |n| against it. It only ever resists. v_b [m/s]: while a robot
+spins, its middle creeps to and fro, and a pile that is bent by a millimetre does not resist in full (assumed).
+Source: direction dependence of rolling resistance on pile carpet; the cosine is the lowest harmonic
 (assumed).
 """
 
@@ -16,16 +17,18 @@ from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.forces import add_dry_friction
-from fsm_calib.world2d.slots import COS, CREEP_SPEED, MASS, SIN, V
+from fsm_calib.world2d.slots import COS, MASS, SIN, V
+
+BENT_SPEED = 0.01  # m/s, above which a pile resists in full
 
 
 @njit(error_model="numpy")
 def resist(P, o, S, m, W):
     """Add the drag along the robot."""
-    speed = math.sqrt(S[V] * S[V] + CREEP_SPEED * CREEP_SPEED)
-    ease = (W[COS] * P[o] + W[SIN] * P[o + 1]) * S[V] / speed
+    bent = S[V] / math.sqrt(S[V] * S[V] + BENT_SPEED * BENT_SPEED)
+    ease = (W[COS] * P[o] + W[SIN] * P[o + 1]) * bent
     drag = max(math.hypot(P[o], P[o + 1]) - ease, 0.0)
-    add_dry_friction(W, 0.0, 0.0, 1.0, 0.0, S[V], drag, W[MASS])
+    add_dry_friction(W, 0.0, 0.0, 1.0, 0.0, S[V], drag * abs(bent), W[MASS])
 
 
 EFFECT = Effect(
