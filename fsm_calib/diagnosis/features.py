@@ -164,8 +164,8 @@ def _group(situations: list[Situation], channel: str, regime: str, put: Channell
     return Group(channel, regime, tuple(blocks), tuple(f"{regime} {i}" for i in range(blocks[0].shape[2])))
 
 
-def place_centres(situations: list[Situation], pitch: float) -> FloatArray:
-    """Return centres (m, 2) [m] of a grid over the floor that was visited while moving."""
+def place_centres(situations: list[Situation], pitch: float, beside: bool = False) -> FloatArray:
+    """Return centres (m, 2) [m] of a grid over the floor that was visited while moving, and beside it if asked for."""
     cells = {
         (int(np.floor(x / pitch)), int(np.floor(y / pitch)))
         for s in situations
@@ -174,6 +174,8 @@ def place_centres(situations: list[Situation], pitch: float) -> FloatArray:
     }
     if not cells:
         return np.zeros((1, 2))
+    if beside:
+        cells = {(i + di, j + dj) for i, j in cells for di, dj in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1))}
     return (np.array(sorted(cells)) + 0.5) * pitch
 
 

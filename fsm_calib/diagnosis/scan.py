@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.adequacy import Residual, project
+from fsm_calib.diagnosis.adequacy import Residual
 from fsm_calib.diagnosis.features import place_centres
 from fsm_calib.diagnosis.fit import Fit
 from fsm_calib.diagnosis.leaders import apart
@@ -21,6 +21,7 @@ from fsm_calib.diagnosis.scan_areas import Area, boxes, drag_columns, settled, s
 from fsm_calib.diagnosis.scan_markers import Jumps, jumps_of, likely_discs
 from fsm_calib.diagnosis.scan_pushes import APART, STEP, kicks, push_of
 from fsm_calib.diagnosis.scan_slides import slides
+from fsm_calib.diagnosis.scan_spans import likely_span
 from fsm_calib.diagnosis.scan_tried import tried_out
 from fsm_calib.diagnosis.simulator import Simulator
 from fsm_calib.diagnosis.situation import Situation
@@ -28,7 +29,6 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
 
 PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
-SPAN_STEP = 1.5  # s between candidate begins and ends of a span
 KEEP = 3
 MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
 GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
@@ -108,7 +108,7 @@ class Scanner:
 
     def slippery_areas(self) -> list[Candidate]:
         """Return discs of low friction: there the robot neither starts, stops nor turns as told."""
-        found = slides(self.parent, self.residual, self.places())
+        found = slides(self.parent, self.residual, place_centres(self.situations, PITCH, beside=True))
         return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
     def markers(self) -> list[Candidate]:
@@ -139,35 +139,15 @@ class Scanner:
             place = table.place(f"gain_{side}")
             slot = next(i for i, s in enumerate(self.parent.slots) if s.place == place)
             gain = float(self.parent.values[0, place])
-            for run, simulator in enumerate(self.simulators):
-                found += self._spans_of(run, simulator, side, gain * self.parent.columns[run][:, :, slot])
+            for run, columns in enumerate(self.parent.columns):
+                span = likely_span(self.residual, run, gain * columns[:, :, slot])
+                changes = {
+                    f"motor_fault.loss_{side}": float(np.clip(span.loss, -0.4, 0.9)),
+                    "motor_fault.start": span.begin,
+                    "motor_fault.duration": span.end - span.begin,
+                }
+                found.append(Candidate(changes, span.promise, run))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
-
-    def _spans_of(self, run: int, simulator: Simulator, side: str, column: FloatArray) -> list[Candidate]:
-        time = simulator.prepared.time
-        edges = np.append(np.arange(max(time[0], 0.0), time[-1] - SPAN_STEP, SPAN_STEP), time[-1])
-        cells = np.zeros((*column.shape, len(edges) - 1))
-        index = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, len(edges) - 2)
-        cells[np.arange(len(time)), :, index] = column
-        blocks = [
-            cells if i == run else np.zeros((*f.shape, cells.shape[2]))
-            for i, f in enumerate(self.parent.simulated)
-        ]
-        x = project(self.residual, blocks)
-        score, gram = np.r_[0.0, np.cumsum(x.T @ self.residual.psi)], np.zeros((len(edges), len(edges)))
-        gram[1:, 1:] = np.cumsum(np.cumsum(x.T @ x, axis=0), axis=1)
-        i, j = np.triu_indices(len(edges), 1)
-        power = gram[j, j] - gram[i, j] - gram[j, i] + gram[i, i]
-        amplitude = (score[j] - score[i]) / np.maximum(power, 1e-12)
-        promise = 0.5 * amplitude**2 * power * (np.abs(amplitude) < 1.0) * (np.abs(amplitude) > 0.005)
-        best = int(np.argmax(promise))
-        begin, end = float(edges[i[best]]), float(edges[j[best]])
-        changes = {
-            f"motor_fault.loss_{side}": float(np.clip(-amplitude[best], -0.4, 0.9)),
-            "motor_fault.start": begin,
-            "motor_fault.duration": end - begin,
-        }
-        return [Candidate(changes, float(promise[best]), run)]
 
     def pushes(self) -> list[Candidate]:
         """Return kicks of one recording, most promising first, each with what the best kick apart from it promises."""
