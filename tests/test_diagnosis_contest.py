@@ -10,7 +10,8 @@ from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names, slot_of
 from fsm_calib.diagnosis.contest import Contest, Linear, contest
 from fsm_calib.diagnosis.fit import Engine, jacobian
-from fsm_calib.diagnosis.forms import RECIPES, forms, lagged
+from fsm_calib.diagnosis.form_frame import lagged
+from fsm_calib.diagnosis.forms import RECIPES, forms
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.hypotheses import Hypothesis, switched_off
 from fsm_calib.diagnosis.plausible import has_size, is_plausible, lasts
@@ -67,6 +68,14 @@ def test_a_neighbour_of_the_truth_loses():
     found = contest(engine, base, fit, ["motor_gain_curve"])
     assert found.misshapen(DEFAULT_GATES) or found.replaceable(DEFAULT_GATES)
     assert "the command's size" in found.instead_quantities + found.beside_quantities
+
+
+def test_play_in_the_gears_is_no_delay():
+    engine, base, fit = fitted("command_delay", gear_backlash__gap=0.2)
+    found = contest(engine, base, fit, ["command_delay"])
+    assert found.explained > 100.0
+    assert found.misshapen(DEFAULT_GATES)
+    assert "which way the motors push" in found.beside_quantities
 
 
 def test_a_slide_that_carries_the_base_robot_far_is_not_replaced():

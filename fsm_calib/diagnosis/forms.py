@@ -9,24 +9,22 @@ exogenous quantities (`situation.py`). The scales only keep the columns within a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from fsm_calib.diagnosis.features import body_columns, hats
 from fsm_calib.diagnosis.fit import Engine, Fit
-from fsm_calib.diagnosis.response import driven
-from fsm_calib.diagnosis.simulator import Simulator
-from fsm_calib.diagnosis.situation import Situation, situation
+from fsm_calib.diagnosis.form_frame import DRY_SPEED, Frame, frames_of, lagged, powers, sign
+from fsm_calib.diagnosis.situation import situation
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.parameters import parameter_table
 
-DRY_SPEED = 0.02  # m/s: dry friction has its full size above (roll-out: creep speed)
 AT_REST = 0.01  # command below which a wheel coasts
 AGES = np.array([0.0, 0.06, 0.12, 0.25, 0.5, 1.0])  # s since a command changed
 TRAVELS = np.array([0.0, 0.01, 0.03, 0.06, 0.12, 0.25])  # m since a reversal
+LOADED = 0.1  # m/s2 of a rim: from there on a motor surely pushes, or brakes
+SLACK, SETTLING = 0.005, 0.1  # m, s
 SPEED_KNOTS = 7
 MINUTE = 60.0
 
@@ -37,75 +35,6 @@ class Form:
 
     quantity: str
     columns: tuple[FloatArray, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """One recording's situation with the base robot's lags [s], full speed [m/s] and the speeds' usual size.
-
-    simulator, values : what carries a wheel's speed error on to the poses; parameters (p,).
-    """
-
-    s: Situation
-    simulator: Simulator
-    values: FloatArray
-    lag_forward: float
-    lag_turn: float
-    full: float
-    speed: float
-    spin: float
-
-    @property
-    def rims(self) -> tuple[FloatArray, FloatArray]:
-        """Rim speeds (n, 1) [m/s] of the left and the right wheel."""
-        turn = self.s.half * self.s.omega
-        return (self.s.v - turn)[:, None], (self.s.v + turn)[:, None]
-
-    def drive(self, left: FloatArray, right: FloatArray) -> FloatArray:
-        """Return columns of wheel speed errors (n, m) [m/s] ahead of the motors, carried on by the roll-out."""
-        return driven(self.simulator, self.values, left, right)
-
-    def each(self, left: FloatArray, right: FloatArray) -> FloatArray:
-        """Return the same with numbers of its own for each wheel."""
-        none = np.zeros_like(left)
-        return np.concatenate([self.drive(left, none), self.drive(none, right)], axis=2)
-
-    def forward(self, f: FloatArray) -> FloatArray:
-        """Return columns of forward speeds that a force would bring about (n, m) [m/s]."""
-        return body_columns(self.s, forward=lagged(f, self.s.dt, self.lag_forward))
-
-    def turn(self, f: FloatArray) -> FloatArray:
-        """Return columns of turning speeds that a moment would bring about (n, m) [rad/s]."""
-        return body_columns(self.s, turn=lagged(f, self.s.dt, self.lag_turn))
-
-    def sensed(self, **speeds: FloatArray) -> FloatArray:
-        """Return columns that only the pose sensor shows."""
-        columns = body_columns(self.s, **speeds)
-        columns[:, 3:] = 0.0
-        return columns
-
-
-@njit(cache=True)
-def lagged(f, dt, tau):  # type: ignore[no-untyped-def]
-    """Return `f` (n, m) after a first-order lag tau [s], held over intervals dt (n,) [s]."""
-    out = np.empty_like(f)
-    now = np.zeros(f.shape[1])
-    for k in range(len(f)):
-        keep = np.exp(-dt[k] / tau)
-        for j in range(f.shape[1]):
-            now[j] = keep * now[j] + (1.0 - keep) * f[k, j]
-            out[k, j] = now[j]
-    return out
-
-
-def sign(speed: FloatArray) -> FloatArray:
-    """Return the sign of a speed [m/s], smooth about zero."""
-    return np.asarray(np.tanh(speed / DRY_SPEED))
-
-
-def powers(x: FloatArray, count: int) -> FloatArray:
-    """Return x, x^2, ... of `x` (n,), shape (n, count)."""
-    return np.column_stack([x ** (k + 1) for k in range(count)])
 
 
 def _bent(u: FloatArray) -> FloatArray:
@@ -216,9 +145,7 @@ def _lateness(f: Frame) -> FloatArray:
     """Return what arrives late: forward and turning apart, together, and by the sensor's clock alone."""
     late = np.hstack([np.ones((len(f.s.dt), 1)), powers(f.s.time / MINUTE, 2)])
     forward, turn = f.s.acceleration[:, None] * late, f.s.spin[:, None] * late
-    apart = [body_columns(f.s, forward=forward), body_columns(f.s, turn=turn)]
-    together = body_columns(f.s, forward=forward, turn=turn)
-    return np.concatenate([*apart, together, f.sensed(forward=forward, turn=turn)], axis=2)
+    return f.every_way(forward, turn)
 
 
 def _after_command(f: Frame) -> FloatArray:
@@ -232,6 +159,22 @@ def _after_reversal(f: Frame) -> FloatArray:
     along, about = since * sign(f.s.v)[:, None], since * sign(f.s.half * f.s.omega)[:, None]
     turns = [body_columns(f.s, turn=g / f.s.half) for g in (along, about)]
     return np.concatenate([body_columns(f.s, forward=along), *turns], axis=2)
+
+
+def _slack(f: Frame) -> FloatArray:
+    """Return what wheels lose on the way when their motors begin to push the other way: at once, over a while."""
+
+    def lost(pull: FloatArray) -> FloatArray:
+        side = np.where(np.abs(pull) > LOADED, np.sign(pull), 0.0)
+        last = np.maximum.accumulate(np.where(side != 0.0, np.arange(len(pull)), 0))
+        steps = np.diff(side[last], prepend=0.0)[:, None]
+        way = SLACK * np.hstack([steps, lagged(steps, f.s.dt, SETTLING)])
+        return np.divide(way, f.s.dt[:, None], out=np.zeros_like(way), where=f.s.dt[:, None] > 0.0)
+
+    spin = f.s.half * f.s.spin
+    left, right = lost(f.s.acceleration - spin), lost(f.s.acceleration + spin)
+    forward, turn = 0.5 * (left + right), 0.5 * (right - left) / f.s.half
+    return f.every_way(forward, turn)
 
 
 def _mount(f: Frame) -> FloatArray:
@@ -258,6 +201,7 @@ RECIPES: dict[str, Callable[[Frame], FloatArray]] = {
     "how late it arrives": _lateness,
     "the time since a command": _after_command,
     "the way since a reversal": _after_reversal,
+    "which way the motors push": _slack,
     "where the sensor sits": _mount,
 }
 """Quantity to columns; single functions may occur twice, what depends on another is projected out."""
@@ -266,16 +210,5 @@ RECIPES: dict[str, Callable[[Frame], FloatArray]] = {
 def forms(engine: Engine, fit: Fit) -> list[Form]:
     """Return every un-named correction for the recordings of one robot, speeds simulated with `fit`."""
     situations = [situation(s, v) for s, v in zip(engine.simulators, fit.values, strict=True)]
-    frames = _frames(engine.simulators, situations, fit)
+    frames = frames_of(engine.simulators, situations, fit)
     return [Form(name, tuple(recipe(f) for f in frames)) for name, recipe in RECIPES.items()]
-
-
-def _frames(simulators: Sequence[Simulator], situations: Sequence[Situation], fit: Fit) -> list[Frame]:
-    table, values, full = parameter_table(), fit.values[0], simulators[0].full_speed
-    forward, turn = (float(values[table.place(name)]) for name in ("tau_forward", "tau_turn"))
-    speed = max(float(np.quantile(np.abs(s.v), 0.98)) for s in situations) or 0.1
-    spin = max(float(np.quantile(np.abs(s.omega), 0.98)) for s in situations) or 0.1
-    return [
-        Frame(s, simulator, own, forward, turn, full, speed, spin)
-        for s, simulator, own in zip(situations, simulators, fit.values, strict=True)
-    ]
