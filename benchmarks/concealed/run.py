@@ -32,6 +32,8 @@ TWINS = {name: ("command_delay", "observation_delay") for name in ("command_dela
 """Names that are left out together: without encoders nothing tells them apart."""
 
 
+AT_A_TIME = 4  # shares of robots, each with one run without a name, between two seals
+
 Task = tuple[Path, Path, tuple[str, ...]]
 """A robot's folder, the file for its verdict, and the names that are left out of the catalogue."""
 
@@ -86,18 +88,18 @@ def all_verdicts(out: Path, jobs: int, loo: int) -> None:
     verdicts.mkdir(exist_ok=True)
     left_out.mkdir(exist_ok=True)
     robots = sorted((out / "robots").iterdir())
-    block = max(1, len(robots) // loo) if loo else 10 * jobs
+    share = max(1, len(robots) // loo) if loo else 10 * jobs
     left: list[Task] = []
-    for first in range(0, len(robots), block):
-        some = robots[first : first + block]
+    for first in range(0, len(robots), AT_A_TIME * share):
+        some = robots[first : first + AT_A_TIME * share]
         tasks = [(p, verdicts / f"{p.name}.json", ()) for p in some]
         todo = [task for task in tasks if not task[1].exists()]
         Parallel(n_jobs=jobs)(delayed(diagnose)(*task) for task in left + todo)
         seal(out)
-        left = name_to_leave_out(some, verdicts, left_out) if loo else []
+        shares = [some[i : i + share] for i in range(0, len(some), share)] if loo else []
+        left = [task for few in shares for task in name_to_leave_out(few, verdicts, left_out)]
         print(f"{first + len(some)} of {len(robots)} robots", file=sys.stderr, flush=True)
-    for task in left:
-        diagnose(*task)
+    Parallel(n_jobs=jobs)(delayed(diagnose)(*task) for task in left)
 
 
 def seal(out: Path) -> None:
