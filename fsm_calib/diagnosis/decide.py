@@ -87,7 +87,7 @@ class Judge:
         self.timed("catalogue", began)
         plain = Model((), base, adequacy(location.tests, 0.0), (), location.tests)
         ranking = [r for r in ranking if is_plausible(r, self.engine.simulators) and self._stands_out(r)]
-        if not ranking or ranking[0].evidence < self._detect():
+        if not ranking or ranking[0].evidence < self.gates.detect:
             return self._without_name(plain, base, ranking, location, bank)
         first = self._model((ranking[0],), ranking[0].fit, base)
         second_ranking: tuple[Ranked, ...] = ()
@@ -105,14 +105,10 @@ class Judge:
             outcome, reason, self.engine, base, model, tuple(ranking), second_ranking, location, bank, self.seconds
         )  # fmt: skip
 
-    def _detect(self) -> float:
-        encoders = any(s.prepared.has_encoders for s in self.engine.simulators)
-        return self.gates.detect_encoders if encoders else self.gates.detect
-
     def _stands_out(self, ranked: Ranked) -> bool:
         """Return whether an event wins clearly more than other moments do; True where no moment was sought."""
         elsewhere = ranked.hypothesis.elsewhere
-        return elsewhere <= 0.0 or ranked.evidence >= self._detect() + 2.0 * elsewhere
+        return elsewhere <= 0.0 or ranked.evidence >= self.gates.detect + 2.0 * elsewhere
 
     def _polish(self, ranking: list[Ranked], base: Fit) -> list[Ranked]:
         """Fit the leaders with fresh Jacobians; sort again."""
