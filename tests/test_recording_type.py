@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from recording_samples import every_channel
 
-from fsm_calib.recording import PoseTrack, Recording, held_at, resample_pose
+from fsm_calib.recording import PoseTrack, Recording, held_at, held_integral, resample_pose
 
 
 def test_arrays_of_a_channel_cannot_be_written():
@@ -87,3 +87,9 @@ def test_state_at_a_time_is_the_one_last_entered():
     state = every_channel().state
     assert state.at(float(state.time[1])) == "wheels.shuttling, back"
     assert state.at(-1.0) == ""
+
+
+def test_what_is_held_adds_up_until_the_end():
+    times, total = held_integral(np.array([1.0, 2.0, 4.0]), np.array([3.0, -1.0, 2.0]), end=5.0)
+    assert times.tolist() == [1.0, 2.0, 4.0, 5.0]
+    assert total.tolist() == [0.0, 3.0, 1.0, 3.0]

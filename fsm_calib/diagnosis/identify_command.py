@@ -18,7 +18,8 @@ from fsm_calib.diagnosis.identify_filter import BY_COMMANDS, STEP_COLUMNS
 from fsm_calib.diagnosis.identify_inputs import Wheels
 from fsm_calib.diagnosis.identify_pose import Parameter, PoseFit, fit_pose, thinned
 from fsm_calib.errors import DataError
-from fsm_calib.recording.recording import Recording, held_at
+from fsm_calib.recording.channels import PoseTrack
+from fsm_calib.recording.recording import Recording, held_at, held_integral
 from fsm_calib.types import FloatArray
 
 LONGEST_STEP = 0.1  # s: short beside the time constants, so that arcs and noise integrals hold
@@ -137,10 +138,9 @@ def fit_commands(recording: Recording) -> PoseFit:
     )
 
 
-def _travel(time: FloatArray, left: FloatArray, right: FloatArray, pose: object, nominal: float) -> Wheels:
+def _travel(time: FloatArray, left: FloatArray, right: FloatArray, pose: PoseTrack, nominal: float) -> Wheels:
     """Return the integral of held commands as if wheels had followed them at once, for the first guess."""
-    end = float(pose.time[-1])  # type: ignore[attr-defined]
-    times = np.append(time, max(end, float(time[-1]) + 1e-6))
-    step = np.diff(times)
-    sums = [np.concatenate([[0.0], np.cumsum(step * side)]) for side in (left, right)]
-    return Wheels(times, sums[0], sums[1], "command", "wheel_gain", "m/s", nominal, nominal)
+    end = max(float(pose.time[-1]), float(time[-1]) + 1e-6)
+    times, left_travel = held_integral(time, left, end)
+    _, right_travel = held_integral(time, right, end)
+    return Wheels(times, left_travel, right_travel, "command", "wheel_gain", "m/s", nominal, nominal)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from fsm_calib.diagnosis.identify_inputs import wheels_of
-from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.recording import Recording, held_integral
 from fsm_calib.types import FloatArray
 
 SHORT_GAP = 0.3  # s: no small robot turns half round in it
@@ -67,6 +67,4 @@ def _held(stamps: FloatArray, value: FloatArray, time: FloatArray) -> FloatArray
     """Return the integral at `time` of a value that holds from each stamp to the next, 0 before the first."""
     if not len(stamps):
         return np.zeros(len(time))
-    stamps = np.append(stamps, max(float(stamps[-1]), float(time[-1])) + 1.0)
-    total = np.concatenate([[0.0], np.cumsum(value * np.diff(stamps))])
-    return np.interp(time, stamps, total)
+    return np.interp(time, *held_integral(stamps, value, float(time[-1])))

@@ -10,7 +10,14 @@ from fsm_calib.recording.channels import (
     YawRateTrack,
 )
 from fsm_calib.recording.read import read_recording
-from fsm_calib.recording.recording import Finding, Recording, RobotFacts, held_at, resample_pose
+from fsm_calib.recording.recording import (
+    Finding,
+    Recording,
+    RobotFacts,
+    held_at,
+    held_integral,
+    resample_pose,
+)
 
 __all__ = [
     "CommandTrack",
@@ -24,6 +31,7 @@ __all__ = [
     "WheelPair",
     "YawRateTrack",
     "held_at",
+    "held_integral",
     "read_recording",
     "resample_pose",
 ]

@@ -170,3 +170,9 @@ def held_at(
     """Return held values at `times`: the last row at or before each time; `before` ahead of the first row."""
     row = np.searchsorted(known_times, times, side="right") - 1
     return read_only(np.where(row >= 0, np.asarray(values)[np.maximum(row, 0)], before))
+
+
+def held_integral(known_times: FloatArray, values: FloatArray, end: float) -> tuple[FloatArray, FloatArray]:
+    """Return times (n + 1,) and the integral of held values (n,) there: 0 at the first, the last held until `end`."""
+    times = np.append(known_times, max(end, float(known_times[-1])))
+    return times, np.concatenate([[0.0], np.cumsum(np.asarray(values) * np.diff(times))])
