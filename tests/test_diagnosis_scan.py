@@ -12,6 +12,7 @@ from fsm_calib.diagnosis.base import fit_base
 from fsm_calib.diagnosis.fit import Engine
 from fsm_calib.diagnosis.hypotheses import Hypothesis, declared_starts, with_values
 from fsm_calib.diagnosis.prepared import prepare
+from fsm_calib.diagnosis.scan import SCANS
 from fsm_calib.diagnosis.scan_markers import jumps_of, likely_discs
 from fsm_calib.diagnosis.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
@@ -39,6 +40,10 @@ def fitted(bank, name):
 def discs_of(bank, shifted=False):
     pairs = zip(bank.engine.simulators, bank.parent.simulated, strict=True)
     return likely_discs([jumps_of(s.prepared, simulated) for s, simulated in pairs], shifted)
+
+
+def test_every_effect_of_a_place_or_a_moment_has_a_scan():
+    assert set(SCANS) == {effect.name for effect in registry().values() if effect.scan}
 
 
 def test_the_chosen_start_wins_no_less_than_any_declared_one():

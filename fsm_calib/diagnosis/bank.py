@@ -20,7 +20,7 @@ from fsm_calib.diagnosis.hypotheses import (
     slots_of,
     switched_off,
 )
-from fsm_calib.diagnosis.scan import Candidate, Scanner
+from fsm_calib.diagnosis.scan import SCANS, Candidate, Scanner
 from fsm_calib.diagnosis.situation import situation
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
@@ -123,18 +123,11 @@ class Bank:
     def plans(self, effect: Effect) -> list[tuple[Hypothesis, list[Start]]]:
         """Return the forms of an effect with their starts."""
         runs = len(self.engine.simulators)
-        scans = {
-            "rough_floor_patch": self.scanner.drag_areas,
-            "low_friction_patch": self.scanner.slippery_areas,
-            "misplaced_marker": self.scanner.markers,
-            "motor_fault": self.scanner.spans,
-            "external_push": self.scanner.pushes,
-        }
         if effect.name in parameter_table().active_effects(self.parent.values[0]):
             start = Start(self.parent.values, 0.0)  # the parent has it: would other numbers be better?
             return [(hypothesis, [start]) for hypothesis in hypotheses_of(effect, runs)]
-        if effect.scan and effect.name in scans:
-            return self._scanned(effect, scans[effect.name]())
+        if effect.name in SCANS:
+            return self._scanned(effect, SCANS[effect.name](self.scanner))
         plans = []
         for hypothesis in hypotheses_of(effect, runs):
             starts = self.prober.best_starts(hypothesis, declared_starts(hypothesis), 1)

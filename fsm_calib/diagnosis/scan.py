@@ -8,7 +8,7 @@ projection. Slides, turned markers and kicks are not: they have scans of their o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -161,3 +161,13 @@ class Scanner:
                 changes = push_of(self.situations[run], float(starts[b]), amplitude[b])
                 found.append(Candidate(changes, float(promise[b]), run, elsewhere))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
+
+
+SCANS: dict[str, Callable[[Scanner], list[Candidate]]] = {
+    "rough_floor_patch": Scanner.drag_areas,
+    "low_friction_patch": Scanner.slippery_areas,
+    "misplaced_marker": Scanner.markers,
+    "motor_fault": Scanner.spans,
+    "external_push": Scanner.pushes,
+}
+"""Effects of a place or a moment to the scan that finds it."""
