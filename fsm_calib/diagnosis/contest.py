@@ -12,8 +12,8 @@ c_k = k ln N + 2 (k - 1) ln P; ln N a number (Schwarz, Ann. Stat. 6 (1978) 461),
 Biometrika 95 (2008) 759); the first form pays for no choice, as the names pay nothing for theirs.
 Assumes that forms act linearly, which favours the name: its own equation is simulated in full. The base robot is
 re-fitted in full, too: beside the wheels' cross-talk, or where a place makes it slide, it ends far from where the
-named model has it, and what is linearised there misjudges the forms by hundreds. Poses that jump where
-the robot crosses the edge of a disc (`scan_markers.py`) count as one more form beside the name.
+named model has it, and what is linearised there misjudges the forms by hundreds. Poses that jump where the robot
+crosses the edge of a disc (`scan_markers.py`) count as one more form beside the name.
 """
 
 from __future__ import annotations

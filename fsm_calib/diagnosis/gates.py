@@ -20,8 +20,8 @@ class Gates:
 
     Detected. detect : evidence that a first name needs (of 90 generated robots without an effect none has more than
     12); an event needs twice what the best other moment promises on top, since random forces have moments of their
-    own; unexplained_surprise : surprise above which
-    recordings without a name are no match, if it is significant after the looking, too (or form_beside).
+    own; unexplained_surprise : surprise above which recordings without a name are no match, if it is significant after
+    the looking, too (or form_beside).
 
     Adequate. surprise : -log10 p of left-over structure in any feature group that is still noise; share : left-over
     log-likelihood over explained below which the equation may be inexact but the name stands; dominant : share of

@@ -35,12 +35,11 @@ def likely_span(residual: Residual, run: int, gain: FloatArray) -> Span:
     gain : (n, 5), what the increments change by when the wheel's gain is doubled.
     """
     time = residual.whiteners[run].prepared.time
-    coarse = np.append(np.arange(max(time[0], 0.0), time[-1] - COARSE, COARSE), time[-1])
-    found = _best(residual, run, gain, coarse)
-    fine = [np.arange(at - ABOUT, at + ABOUT, FINE) for at in (found.begin, found.end)]
-    edges = np.unique(np.concatenate([coarse[:1], coarse[-1:], *fine]))
-    edges = edges[(edges >= coarse[0]) & (edges <= coarse[-1])]
-    return max(found, _best(residual, run, gain, edges), key=lambda span: span.promise)
+    ends = [max(time[0], 0.0), time[-1]]
+    found = _best(residual, run, gain, np.unique([*np.arange(ends[0], ends[1] - COARSE, COARSE), *ends]))
+    about = [np.arange(at - ABOUT, at + ABOUT, FINE) for at in (found.begin, found.end)]
+    fine = np.unique(np.clip(np.concatenate([*about, ends]), *ends))
+    return max(found, _best(residual, run, gain, fine), key=lambda span: span.promise)
 
 
 def _best(residual: Residual, run: int, gain: FloatArray, edges: FloatArray) -> Span:
