@@ -30,14 +30,16 @@ def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
 
 
 def has_size(ranked: Ranked) -> bool:
-    """Return whether no strength rests at a bound that is not where nature ends."""
+    """Return whether strengths are large enough to be told, and none rests at a bound short of where nature ends."""
     table, effect = parameter_table(), registry()[ranked.name]
     for name in ranked.hypothesis.names:
         p = effect.parameter(name)
         ends = [end for end in (p.low, *([] if p.natural_end else [p.high])) if end != p.null]
-        if not p.strength or not ends:
-            continue
         values = ranked.fit.values[:, table.place(f"{ranked.name}.{name}")]
+        if not p.strength:
+            continue
+        if np.any(np.abs(values - p.null) < p.least):
+            return False
         if any(np.any(np.abs(values - end) < AT_BOUND * (p.high - p.low)) for end in ends):
             return False
     return True

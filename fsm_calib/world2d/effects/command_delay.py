@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import LEAST_DELAY, Effect, Parameter
 
 
 @njit(error_model="numpy")
@@ -35,6 +35,7 @@ EFFECT = Effect(
             0.08,
             "duckietown-world ApplyDelay: 0.15 s",
             starts=(0.05, 0.12, 0.2),
+            least=LEAST_DELAY,
         ),
     ),
     hooks={"delay": late},

@@ -26,6 +26,7 @@ from typing import Any, Literal
 
 Channel = Literal["forward", "lateral", "turn", "sensor"]
 FORCE_DOUBT = 0.2  # of a force told by speeds: mass to 10 %, rotating inertia to a factor of two
+LEAST_DELAY = 0.004  # s: the base's tyres lag by 2 to 3 ms (assumed), its motors are of first order
 HOOKS = ("begin", "shape", "delay", "step", "clock", "observe")
 
 
@@ -65,6 +66,9 @@ class Parameter:
         bound the fit asks for more of the effect than there can be.
     doubt : float
         Share of the size by which the equation itself may be off, where it is not what the unit lets expect.
+    least : float
+        A smaller distance from the null value, in `unit`, is within what the base robot's own equations leave open,
+        and no size to be named.
     """
 
     name: str
@@ -83,6 +87,7 @@ class Parameter:
     step: float = 0.0
     natural_end: bool = False
     doubt: float = 0.0
+    least: float = 0.0
 
     @property
     def difference_step(self) -> float:

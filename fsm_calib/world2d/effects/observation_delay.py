@@ -9,7 +9,7 @@ cameras on Wi-Fi robots, 20 to 120 ms (assumed); temporal calibration after Rehd
 from __future__ import annotations
 
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import LEAST_DELAY, Effect, Parameter
 
 
 def lag(p: FloatArray, t: FloatArray) -> FloatArray:
@@ -23,7 +23,18 @@ EFFECT = Effect(
     summary="poses are stamped late",
     equation="pose(t) = h(state(t - delay))",
     parameters=(
-        Parameter("delay", "d_c", "s", 0.0, -0.1, 0.6, 0.06, "20 to 120 ms", starts=(0.05, 0.12, 0.2)),
+        Parameter(
+            "delay",
+            "d_c",
+            "s",
+            0.0,
+            -0.1,
+            0.6,
+            0.06,
+            "20 to 120 ms",
+            starts=(0.05, 0.12, 0.2),
+            least=LEAST_DELAY,
+        ),
     ),
     hooks={"clock": lag},
     channels=("sensor", "forward", "turn"),
