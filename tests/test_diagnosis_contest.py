@@ -139,7 +139,7 @@ def at_value(fit, effect, name, value):
         ("observation_delay", "delay", -0.003, False),
     ],
 )
-def test_a_size_at_its_bound_is_none(saturated, effect, name, value, holds):
+def test_a_size_at_its_bound_or_too_small_to_be_told_is_none(saturated, effect, name, value, holds):
     _, base, _ = saturated
     assert has_size(at_value(base, effect, name, value)) is holds
 

@@ -31,8 +31,7 @@ from concealed.score import is_left_out, is_single, load, report, right
 TWINS = {name: ("command_delay", "observation_delay") for name in ("command_delay", "observation_delay")}
 """Names that are left out together: without encoders nothing tells them apart."""
 
-
-AT_A_TIME = 4  # shares of robots, each with one run without a name, between two seals
+SHARES = 4  # of robots, each with one run without a name, between two seals
 
 Task = tuple[Path, Path, tuple[str, ...]]
 """A robot's folder, the file for its verdict, and the names that are left out of the catalogue."""
@@ -88,10 +87,11 @@ def all_verdicts(out: Path, jobs: int, loo: int) -> None:
     verdicts.mkdir(exist_ok=True)
     left_out.mkdir(exist_ok=True)
     robots = sorted((out / "robots").iterdir())
-    share = max(1, len(robots) // loo) if loo else 10 * jobs
+    share = max(1, len(robots) // loo) if loo else 0
+    block = SHARES * share or 10 * jobs
     left: list[Task] = []
-    for first in range(0, len(robots), AT_A_TIME * share):
-        some = robots[first : first + AT_A_TIME * share]
+    for first in range(0, len(robots), block):
+        some = robots[first : first + block]
         tasks = [(p, verdicts / f"{p.name}.json", ()) for p in some]
         todo = [task for task in tasks if not task[1].exists()]
         Parallel(n_jobs=jobs)(delayed(diagnose)(*task) for task in left + todo)

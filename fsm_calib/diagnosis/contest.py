@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fsm_calib.diagnosis.bank import evidence_of
 from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.forms import forms
 from fsm_calib.diagnosis.gates import Gates
@@ -141,10 +142,10 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
     if effects:
         refitted = engine.fit(parent.values, parent.slots, fit.noise, steps=REFIT_STEPS, refresh=True)
         bare, own_pool = _linearised(engine, refitted)
-    base = len(parent.slots)
+    extra = len(fit.slots) - len(parent.slots)
     log_n, choice = float(np.log(engine.count)), 2.0 * float(np.log(len(pool.quantities)))
     score = float(log_kernel(named.residual, named.nu)) - 0.5 * _prior(named)
-    target = 2.0 * score - (len(fit.slots) - base) * log_n
+    target = 2.0 * score - extra * log_n
     begun, path = _climb(bare, own_pool, MOST_INSTEAD)
     instead = [
         2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
@@ -152,7 +153,7 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
     _, more = _climb(named, pool, MOST_BESIDE)
     beside = [2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(more)]
     besides = _or_jumps(_best(beside, more, pool), engine, fit, effects)
-    explained = 2.0 * (fit.score - parent.score) - (len(fit.slots) - base) * log_n
+    explained = evidence_of(fit, parent, engine.count)
     loose = any(registry()[name].scan for name in effects) or any(
         s.prepared.recording.command is None for s in engine.simulators
     )

@@ -17,7 +17,7 @@ import numpy as np
 from fsm_calib.diagnosis.features import body_columns, hats
 from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.form_frame import DRY_SPEED, Frame, frames_of, lagged, powers, sign
-from fsm_calib.diagnosis.situation import situation
+from fsm_calib.diagnosis.situation import last_sign, situation
 from fsm_calib.types import FloatArray
 
 AT_REST = 0.01  # command below which a wheel coasts
@@ -165,9 +165,7 @@ def _slack(f: Frame) -> FloatArray:
     """Return what wheels lose on the way when their motors begin to push the other way: at once, over a while."""
 
     def lost(pull: FloatArray) -> FloatArray:
-        side = np.where(np.abs(pull) > LOADED, np.sign(pull), 0.0)
-        last = np.maximum.accumulate(np.where(side != 0.0, np.arange(len(pull)), 0))
-        steps = np.diff(side[last], prepend=0.0)[:, None]
+        steps = np.diff(last_sign(pull, LOADED), prepend=0.0)[:, None]
         way = SLACK * np.hstack([steps, lagged(steps, f.s.dt, SETTLING)])
         return np.divide(way, f.s.dt[:, None], out=np.zeros_like(way), where=f.s.dt[:, None] > 0.0)
 

@@ -34,10 +34,10 @@ def has_size(ranked: Ranked) -> bool:
     table, effect = parameter_table(), registry()[ranked.name]
     for name in ranked.hypothesis.names:
         p = effect.parameter(name)
-        ends = [end for end in (p.low, *([] if p.natural_end else [p.high])) if end != p.null]
-        values = ranked.fit.values[:, table.place(f"{ranked.name}.{name}")]
         if not p.strength:
             continue
+        values = ranked.fit.values[:, table.place(f"{ranked.name}.{name}")]
+        ends = [end for end in (p.low, *([] if p.natural_end else [p.high])) if end != p.null]
         if np.any(np.abs(values - p.null) < p.least):
             return False
         if any(np.any(np.abs(values - end) < AT_BOUND * (p.high - p.low)) for end in ends):

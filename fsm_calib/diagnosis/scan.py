@@ -1,8 +1,8 @@
 """Where on the floor, or when, could it be? Scans that give place and event effects their starts.
 
-Where the effect on the increments is nearly linear (drag inside an area, a weak motor during a span) it is written
-down to first order, all candidates pass the whitening filter as columns, and what each could win is one small
-projection. Slides, turned markers and kicks are not: they have scans of their own (`scan_slides.py`,
+Where the effect on the increments is nearly linear (drag inside an area, a weak motor during a span: `scan_spans.py`)
+it is written down to first order, all candidates pass the whitening filter as columns, and what each could win is one
+small projection. Slides, turned markers and kicks are not: they have scans of their own (`scan_slides.py`,
 `scan_markers.py`, `scan_pushes.py`). The winners, kept apart from each other, become starts of full fits.
 """
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from fsm_calib.diagnosis.adequacy import Residual, winnings
 from fsm_calib.diagnosis.fit import AT_A_TIME, Fit
+from fsm_calib.diagnosis.hypotheses import with_values
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.parameters import parameter_table
 
 
 def tried_out(parent: Fit, residual: Residual, candidates: Sequence[Mapping[str, float]]) -> FloatArray:
-    """Return the log-likelihood (m,) that each candidate wins over `parent`; all set the same full names."""
+    """Return the log-likelihood (m,) that each candidate wins over `parent`; full names to values."""
     engine = residual.engine
     won = [np.empty(0)]
     for first in range(0, len(candidates), AT_A_TIME):
@@ -30,7 +30,4 @@ def tried_out(parent: Fit, residual: Residual, candidates: Sequence[Mapping[str,
 
 def _rows(values: FloatArray, candidates: Sequence[Mapping[str, float]]) -> FloatArray:
     """Return the parameters (m, p) of each candidate on top of `values` (p,)."""
-    rows = np.repeat(values[None], len(candidates), axis=0)
-    for name in candidates[0]:
-        rows[:, parameter_table().place(name)] = [numbers[name] for numbers in candidates]
-    return rows
+    return np.vstack([with_values(values[None], changes) for changes in candidates])

@@ -71,10 +71,15 @@ def situation(simulator: Simulator, values: FloatArray) -> Situation:
     )  # fmt: skip
 
 
+def last_sign(x: FloatArray, least: float) -> FloatArray:
+    """Return the sign that `x` (n,) last had while its size was above `least`; 0 before."""
+    sign = np.sign(np.where(np.abs(x) > least, x, 0.0))
+    return sign[np.maximum.accumulate(np.where(sign != 0, np.arange(len(x)), 0))]
+
+
 def _travel(v: FloatArray) -> FloatArray:
     """Return the distance since the direction of motion last changed."""
-    sign = np.sign(np.where(np.abs(v) > 0.02, v, 0.0))
-    held = sign[np.maximum.accumulate(np.where(sign != 0, np.arange(len(v)), 0))]
+    held = last_sign(v, 0.02)
     path = np.cumsum(np.abs(v)) * GRID_STEP
     turned = np.flatnonzero(np.diff(held, prepend=held[0]) != 0)
     start = np.zeros(len(v))

@@ -5,8 +5,7 @@ r"""A carpet's pile resists more against its lie than along it.
 e: unit vector ahead in `world`, v [m/s] the speed along it, n [N]: the nap's vector, pointing where driving is
 easiest: no additional drag along it, |n| across it, 2 |n| against it. It only ever resists. v_b [m/s]: while a robot
 spins, its middle creeps to and fro, and a pile that is bent by a millimetre does not resist in full (assumed).
-Source: direction dependence of rolling resistance on pile carpet; the cosine is the lowest harmonic
-(assumed).
+Source: direction dependence of rolling resistance on pile carpet; the cosine is the lowest harmonic (assumed).
 """
 
 from __future__ import annotations
