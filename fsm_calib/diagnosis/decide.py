@@ -20,6 +20,7 @@ from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, adequacy, indistinguishable
 from fsm_calib.diagnosis.heldout import error_left
 from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, hypotheses_of, shown_by, with_values
+from fsm_calib.diagnosis.in_poses import shown_in_poses
 from fsm_calib.diagnosis.locate import SIGNIFICANT, Location, locate
 from fsm_calib.diagnosis.model import Model
 from fsm_calib.diagnosis.moments import dated
@@ -88,7 +89,7 @@ class Judge:
         plain = Model((), base, adequacy(location.tests, 0.0), (), location.tests)
         ranking = [r for r in ranking if is_plausible(r, self.engine.simulators) and self._stands_out(r)]
         if not ranking or ranking[0].evidence < self.gates.detect:
-            return self._without_name(plain, base, ranking, location, bank)
+            return self._confirmed(self._without_name(plain, base, ranking, location, bank), plain)
         first = self._model((ranking[0],), ranking[0].fit, base)
         second_ranking: tuple[Ranked, ...] = ()
         model = first
@@ -101,9 +102,23 @@ class Judge:
             fit = placed(self.engine, model.fit, model.effects, self.rng)
             model = replace(model, fit=dated(self.engine, fit, model.effects))
             self.timed("place and moment", began)
-        return Decision(
+        decision = Decision(
             outcome, reason, self.engine, base, model, tuple(ranking), second_ranking, location, bank, self.seconds
         )  # fmt: skip
+        return self._confirmed(decision, plain)
+
+    def _confirmed(self, decision: Decision, plain: Model) -> Decision:
+        """Return the decision; a match where a mismatch without a name is seen by the encoders alone."""
+        began = perf_counter()
+        confirmed = decision.outcome != "unexplained" or shown_in_poses(self.engine.simulators, self.gates)
+        self.timed("poses alone", began)
+        if confirmed:
+            return decision
+        plain = replace(plain, contest=contest(self.engine, decision.base, decision.base, []))
+        reason = (
+            f"the poses agree with the re-fitted base robot, the encoders alone differ: {decision.reason}"
+        )
+        return replace(decision, outcome="match", reason=reason, model=plain, second_ranking=())
 
     def _stands_out(self, ranked: Ranked) -> bool:
         """Return whether an event wins clearly more than other moments do; True where no moment was sought."""

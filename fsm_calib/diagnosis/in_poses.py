@@ -1,0 +1,45 @@
+"""Do the poses show it? A mismatch without a name counts only where the robot's path differs, too.
+
+Encoders are finer than any tracker: they see a wheel follow its tyre a few milliseconds late while the path is that of
+the base robot to within its noise. With a name such a finding can be modelled; without one it would only be alarm. So
+the encoders are left out, the base robot is fitted again, and what is left in the poses is asked the two questions
+that reveal a mismatch: does it depend on anything (`adequacy.py`), does a form without a name explain it
+(`contest.py`)? Assumes that poses are measured; recordings without encoders have been judged by their poses already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.adequacy import left_over
+from fsm_calib.diagnosis.base import fit_base
+from fsm_calib.diagnosis.contest import contest
+from fsm_calib.diagnosis.features import feature_groups
+from fsm_calib.diagnosis.fit import Engine
+from fsm_calib.diagnosis.gates import Gates, adequacy
+from fsm_calib.diagnosis.simulator import Simulator
+from fsm_calib.diagnosis.situation import situation
+
+OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn; not the wheels
+
+
+def shown_in_poses(simulators: Sequence[Simulator], gates: Gates) -> bool:
+    """Return whether poses alone differ from a base robot re-fitted to them; True where nothing else was measured."""
+    if not any(s.prepared.has_encoders for s in simulators):
+        return True
+    engine = Engine(tuple(without_encoders(s) for s in simulators))
+    base = fit_base(engine)
+    if contest(engine, base, base, []).misshapen(gates):
+        return True
+    situations = [situation(s, v) for s, v in zip(engine.simulators, base.values, strict=True)]
+    left = adequacy(left_over(engine, base, feature_groups(situations)), 0.0)
+    return left.surprise > gates.unexplained_surprise
+
+
+def without_encoders(simulator: Simulator) -> Simulator:
+    """Return the replay of a recording whose wheel angles nobody has read."""
+    prepared = simulator.prepared
+    return replace(simulator, prepared=replace(prepared, seen=prepared.seen & OF_POSES))

@@ -1,0 +1,72 @@
+"""A mismatch without a name must show in the poses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis_robots import GAIN_LEFT, GAIN_RIGHT, recording
+
+from fsm_calib.diagnosis.decide import decide
+from fsm_calib.diagnosis.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.in_poses import shown_in_poses, without_encoders
+from fsm_calib.diagnosis.prepared import prepare
+from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.recording.channels import WheelPair
+from fsm_calib.world2d.observation import predict
+from fsm_calib.world2d.parameters import parameters
+from fsm_calib.world2d.rollout import Drive
+
+ENCODER_RATE, TICK = 60.0, 2.0 * np.pi / 1600.0  # Hz, rad
+
+
+def with_encoders(seed, late=0.0, **changes):
+    """A drive with encoders, the right one `late` [s] behind its wheel."""
+    seen = recording(seed, **changes)
+    command = seen.command
+    base = {"gain_left": GAIN_LEFT, "gain_right": GAIN_RIGHT}
+    vector = parameters({**base, **{name.replace("__", "."): value for name, value in changes.items()}})
+    times = np.arange(0.2, 39.0, 1.0 / ENCODER_RATE)
+    commands = Drive(command.time, command.left, command.right)
+
+    def angles(at):
+        found = predict(vector, commands, seen.pose.time, (0.1, -0.1, 0.4), wheel_times=at).wheel_angles
+        return TICK * np.round(found / TICK)
+
+    pair = WheelPair(times, angles(times)[:, 0], angles(times - late)[:, 1], resolution=TICK)
+    return replace(seen, wheel_angle=pair)
+
+
+def simulators(*recordings):
+    return tuple(make_simulator(prepare(r)) for r in recordings)
+
+
+@pytest.fixture(scope="module")
+def late_encoder():
+    return simulators(*(with_encoders(seed, late=0.03) for seed in (0, 1)))
+
+
+def test_an_encoder_that_is_late_is_not_shown_in_the_poses(late_encoder):
+    assert not shown_in_poses(late_encoder, DEFAULT_GATES)
+
+
+def test_a_limit_of_the_command_is_shown_in_the_poses():
+    limited = simulators(*(with_encoders(seed, command_saturation__limit=0.3) for seed in (0, 1)))
+    assert shown_in_poses(limited, DEFAULT_GATES)
+
+
+def test_recordings_of_poses_alone_have_been_judged_already():
+    assert shown_in_poses(simulators(recording(0)), DEFAULT_GATES)
+
+
+def test_a_replay_without_encoders_keeps_its_poses(late_encoder):
+    (before, after) = (late_encoder[0].prepared, without_encoders(late_encoder[0]).prepared)
+    assert before.has_encoders
+    assert not after.has_encoders
+    np.testing.assert_array_equal(before.seen[:, :3], after.seen[:, :3])
+
+
+def test_what_the_encoders_alone_see_without_a_name_is_a_match(late_encoder):
+    decision = decide(late_encoder)
+    assert decision.outcome == "match"
+    assert "the encoders alone differ" in decision.reason
+    assert decision.model.effects == ()
