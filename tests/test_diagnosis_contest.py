@@ -146,8 +146,20 @@ def test_a_size_at_its_bound_or_too_small_to_be_told_is_none(saturated, effect, 
 
 @pytest.mark.parametrize(("duration", "holds"), [(0.7, False), (6.0, True)])
 def test_a_fault_as_short_as_a_push_is_none(saturated, duration, holds):
-    _, base, _ = saturated
-    assert lasts(at_value(base, "motor_fault", "duration", duration)) is holds
+    engine, base, _ = saturated
+    assert lasts(at_value(base, "motor_fault", "duration", duration), engine.simulators) is holds
+
+
+@pytest.mark.parametrize(("before_the_end", "holds"), [(1.5, False), (5.0, True)])
+def test_a_push_in_the_last_moments_of_a_recording_is_none(saturated, before_the_end, holds):
+    engine, base, _ = saturated
+    start = engine.simulators[0].prepared.time[-1] - before_the_end
+    assert lasts(at_value(base, "external_push", "start", start), engine.simulators) is holds
+
+
+def test_what_is_no_event_need_not_last(saturated):
+    engine, _, fit = saturated
+    assert lasts(at_value(fit, "command_saturation", "limit", 0.3), engine.simulators)
 
 
 def test_switching_off_takes_strengths_alone(saturated):

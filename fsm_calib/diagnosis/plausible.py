@@ -1,9 +1,10 @@
-"""Is a fitted effect what its name says? A place is left again, a size is one that occurs, a fault lasts.
+"""Is a fitted effect what its name says? A place is left again, a size is one that occurs, an event is seen to last.
 
 Without the first an area that grows over the whole floor stands in for what acts everywhere (a rough floor for dry
 friction, a turned marker for a turned sensor), with as good a likelihood as theirs. Without the second a warming
 motor that is to lose more than half of its strength stands in for a battery that sags, as a slow exponential is a
-straight line. And a motor that fails for half a second stands in for a push.
+straight line. A motor that fails for half a second stands in for a push; and in the last moments of a recording poses
+that wander off stand in for one, since nobody sees them wander back.
 """
 
 from __future__ import annotations
@@ -19,14 +20,16 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 AT_BOUND = 1e-4  # of the range between the bounds: nearer, a number rests there
-SHORTEST_SPAN = 2.0  # s: within it a robot is pushed and brought back by its motors
+SHORTEST_SPAN = (
+    2.0  # s: within it a robot is pushed and brought back by its motors, and poses wander and return
+)
 LEAST_INSIDE = 0.5  # s of driving: a few outliers in a row are no place
 MOST_INSIDE = 0.7  # of the driving time; by the same token a place needs a third of the drive to compare with
 
 
 def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     """Return whether an effect has a size and, if it is one, a place that its name stands for."""
-    return has_size(ranked) and lasts(ranked) and is_crossed(ranked, simulators)
+    return has_size(ranked) and lasts(ranked, simulators) and is_crossed(ranked, simulators)
 
 
 def has_size(ranked: Ranked) -> bool:
@@ -45,12 +48,16 @@ def has_size(ranked: Ranked) -> bool:
     return True
 
 
-def lasts(ranked: Ranked) -> bool:
-    """Return whether a span of time is longer than a push; True for other effects."""
-    full = f"{ranked.name}.duration"
-    if "duration" not in ranked.hypothesis.names:
+def lasts(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether an event is long enough ago, and a span of time longer than a push; True for other effects."""
+    table, run = parameter_table(), ranked.hypothesis.run
+    if registry()[ranked.name].scan != "time":
         return True
-    return float(ranked.fit.values[ranked.hypothesis.run, parameter_table().place(full)]) >= SHORTEST_SPAN
+    values = ranked.fit.values[run]
+    seen = float(simulators[run].prepared.time[-1] - values[table.place(f"{ranked.name}.start")])
+    if "duration" in ranked.hypothesis.names:
+        seen = min(seen, float(values[table.place(f"{ranked.name}.duration")]))
+    return seen >= SHORTEST_SPAN
 
 
 def is_crossed(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
