@@ -14,10 +14,11 @@ from fsm_calib.diagnosis.form_frame import lagged
 from fsm_calib.diagnosis.forms import RECIPES, forms
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.hypotheses import Hypothesis, switched_off
-from fsm_calib.diagnosis.plausible import has_size, is_plausible, lasts
+from fsm_calib.diagnosis.plausible import has_size, is_plausible, is_seen, lasts
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.response import driven
 from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -146,20 +147,24 @@ def test_a_size_at_its_bound_or_too_small_to_be_told_is_none(saturated, effect, 
 
 @pytest.mark.parametrize(("duration", "holds"), [(0.7, False), (6.0, True)])
 def test_a_fault_as_short_as_a_push_is_none(saturated, duration, holds):
+    _, base, _ = saturated
+    assert lasts(at_value(base, "motor_fault", "duration", duration)) is holds
+
+
+@pytest.mark.parametrize(("start", "holds"), [(12.0, True), (20.5, False), (38.5, False)])
+def test_a_push_must_be_seen_by_the_poses(start, holds):
+    drive = recording(0)
+    looking = (drive.pose.time < 20.0) | (drive.pose.time > 21.0)
+    channels = (drive.pose.time, drive.pose.x, drive.pose.y, drive.pose.theta)
+    gapped = replace(drive, pose=PoseTrack(*(channel[looking] for channel in channels)))
+    engine = Engine((make_simulator(prepare(gapped)),))
+    push = at_value(fit_base(engine), "external_push", "start", start)
+    assert is_seen(push, engine.simulators) is holds
+
+
+def test_a_fault_may_begin_unseen(saturated):
     engine, base, _ = saturated
-    assert lasts(at_value(base, "motor_fault", "duration", duration), engine.simulators) is holds
-
-
-@pytest.mark.parametrize(("before_the_end", "holds"), [(1.5, False), (5.0, True)])
-def test_a_push_in_the_last_moments_of_a_recording_is_none(saturated, before_the_end, holds):
-    engine, base, _ = saturated
-    start = engine.simulators[0].prepared.time[-1] - before_the_end
-    assert lasts(at_value(base, "external_push", "start", start), engine.simulators) is holds
-
-
-def test_what_is_no_event_need_not_last(saturated):
-    engine, _, fit = saturated
-    assert lasts(at_value(fit, "command_saturation", "limit", 0.3), engine.simulators)
+    assert is_seen(at_value(base, "motor_fault", "duration", 6.0), engine.simulators)
 
 
 def test_switching_off_takes_strengths_alone(saturated):

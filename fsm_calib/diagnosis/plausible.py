@@ -1,10 +1,10 @@
-"""Is a fitted effect what its name says? A place is left again, a size is one that occurs, an event is seen to last.
+"""Is a fitted effect what its name says? A place is left again, a size is one that occurs, an event was seen.
 
 Without the first an area that grows over the whole floor stands in for what acts everywhere (a rough floor for dry
 friction, a turned marker for a turned sensor), with as good a likelihood as theirs. Without the second a warming
 motor that is to lose more than half of its strength stands in for a battery that sags, as a slow exponential is a
-straight line. A motor that fails for half a second stands in for a push; and in the last moments of a recording poses
-that wander off stand in for one, since nobody sees them wander back.
+straight line. A motor that fails for half a second stands in for a push; and where no poses were taken, or in the last
+moments of a recording, what wandered while nobody looked stands in for one.
 """
 
 from __future__ import annotations
@@ -20,16 +20,17 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 AT_BOUND = 1e-4  # of the range between the bounds: nearer, a number rests there
-SHORTEST_SPAN = (
-    2.0  # s: within it a robot is pushed and brought back by its motors, and poses wander and return
-)
+SHORTEST_SPAN = 2.0  # s: within it a robot is pushed and brought back by its motors
+LONGEST_BLINK = 0.5  # s between poses: a push and what the motors make of it take no longer
 LEAST_INSIDE = 0.5  # s of driving: a few outliers in a row are no place
 MOST_INSIDE = 0.7  # of the driving time; by the same token a place needs a third of the drive to compare with
 
 
 def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     """Return whether an effect has a size and, if it is one, a place that its name stands for."""
-    return has_size(ranked) and lasts(ranked, simulators) and is_crossed(ranked, simulators)
+    return (
+        has_size(ranked) and lasts(ranked) and is_seen(ranked, simulators) and is_crossed(ranked, simulators)
+    )
 
 
 def has_size(ranked: Ranked) -> bool:
@@ -48,16 +49,25 @@ def has_size(ranked: Ranked) -> bool:
     return True
 
 
-def lasts(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
-    """Return whether an event is long enough ago, and a span of time longer than a push; True for other effects."""
-    table, run = parameter_table(), ranked.hypothesis.run
-    if registry()[ranked.name].scan != "time":
+def lasts(ranked: Ranked) -> bool:
+    """Return whether a span of time is longer than a push; True for other effects."""
+    full = f"{ranked.name}.duration"
+    if "duration" not in ranked.hypothesis.names:
         return True
-    values = ranked.fit.values[run]
-    seen = float(simulators[run].prepared.time[-1] - values[table.place(f"{ranked.name}.start")])
-    if "duration" in ranked.hypothesis.names:
-        seen = min(seen, float(values[table.place(f"{ranked.name}.duration")]))
-    return seen >= SHORTEST_SPAN
+    return float(ranked.fit.values[ranked.hypothesis.run, parameter_table().place(full)]) >= SHORTEST_SPAN
+
+
+def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether poses were taken while a momentary event began, and for a while after; True for other effects."""
+    if registry()[ranked.name].scan != "time" or "duration" in ranked.hypothesis.names:
+        return True
+    run = ranked.hypothesis.run
+    start = float(ranked.fit.values[run, parameter_table().place(f"{ranked.name}.start")])
+    time = simulators[run].prepared.poses.time
+    after = int(np.searchsorted(time, start))
+    if after == 0 or start > time[-1] - SHORTEST_SPAN:
+        return False
+    return float(time[after] - time[after - 1]) <= LONGEST_BLINK
 
 
 def is_crossed(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
