@@ -99,6 +99,12 @@ def test_effects_of_a_place_may_leave_more():
     assert not at_a_place.misshapen(DEFAULT_GATES)
 
 
+def test_two_exact_names_may_leave_less_than_one():
+    assert not Contest(-5.0, (), 15.0, ("the speed",), 1000.0).misshapen(DEFAULT_GATES)
+    assert Contest(-5.0, (), 15.0, ("the speed",), 1000.0, names=2).misshapen(DEFAULT_GATES)
+    assert not Contest(-5.0, (), 15.0, ("the speed",), 1000.0, loose=True, names=2).misshapen(DEFAULT_GATES)
+
+
 def test_what_forms_add_to_a_name_does_not_replace_it():
     assert not Contest(40.0, (), 60.0, ("the speed",), 1000.0, loose=True).replaceable(DEFAULT_GATES)
     assert Contest(40.0, ("the speed",), -3.0, (), 1000.0).replaceable(DEFAULT_GATES)

@@ -45,7 +45,7 @@ class Contest:
     """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
 
     explained : evidence of the name over the base robot; loose : no exact equation can be had (a place, a moment, a
-    robot that turns velocities into wheel commands by a controller of its own).
+    robot that turns velocities into wheel commands by a controller of its own); names : how many compete.
     """
 
     instead: float
@@ -54,16 +54,22 @@ class Contest:
     beside_quantities: tuple[str, ...]
     explained: float
     loose: bool = False
+    names: int = 1
 
     def numbers(self) -> dict[str, float]:
         """Return the three evidences by name."""
         return {"instead": self.instead, "beside": self.beside, "explained": self.explained}
 
     def allowed(self, gates: Gates) -> float:
-        """Return the evidence that forms beside the name may have, since equations are inexact."""
-        return max(
-            gates.form_beside, (gates.loose_share if self.loose else gates.form_share) * self.explained
-        )
+        """Return the evidence that forms beside the name may have, since equations are inexact.
+
+        Two exact names may leave none: together they bend to a third law (dry friction and a scrubbing tyre to a
+        dragging caster), and what does not fit is all that tells.
+        """
+        if self.names > 1 and not self.loose:
+            return gates.pair_beside
+        share = gates.loose_share if self.loose else gates.form_share
+        return max(gates.form_beside, share * self.explained)
 
     def misshapen(self, gates: Gates) -> bool:
         """Return whether forms add to the name what a right shape would not leave."""
@@ -157,7 +163,7 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
     loose = any(registry()[name].scan for name in effects) or any(
         s.prepared.recording.command is None for s in engine.simulators
     )
-    return Contest(*_best(instead, path, own_pool), *besides, explained, loose)
+    return Contest(*_best(instead, path, own_pool), *besides, explained, loose, max(1, len(effects)))
 
 
 def _or_jumps(

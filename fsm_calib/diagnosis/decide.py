@@ -236,7 +236,7 @@ class Judge:
             )
         alone = indistinguishable(ranking, self.gates) if len(model.effects) == 1 else []
         if alone and joint_confidence(alone, ranking, model, self.gates) < self.gates.least_confidence:
-            return "unexplained", f"{', '.join(alone)} come nearest, none of them surely enough"
+            return "unexplained", f"nearest: {', '.join(alone)}, but not surely enough for a name"
         if not left.passes(self.gates):
             return "explained", f"most of the error is explained; what is left depends on {left.group}"
         return "explained", "detected, adequate and useful"

@@ -33,8 +33,9 @@ class Gates:
     name's own law, a hair nearer to the truth); form_beside : evidence that they may add to it, or form_share of the
     name's own, whichever is more (an equation that is exact to a fifth of the effect leaves a 25th of its
     likelihood); loose_share : the same of places and moments, whose edges no equation draws exactly, and of robots
-    with a controller of their own; ruling : share of the base's error below which forms have no say;
-    least_confidence : probability that a name, or a set that the data cannot tell apart, must have.
+    with a controller of their own; pair_beside : of two names whose equations are exact; ruling : share of the base's
+    error below which forms have no say; least_confidence : probability that a name, or a set that the data cannot
+    tell apart, must have.
 
     Two effects. curious : surprise after a first name above which a second is looked for, as it is where forms win;
     second : evidence that it needs, and second_share of the first's, as form_share (it must be missed, too, when it
@@ -51,12 +52,13 @@ class Gates:
     curious: float = 4.5
     dominant: float = 0.25
     ruling: float = 0.15
-    least_confidence: float = 0.5
+    least_confidence: float = 0.6
     form_instead: float = 10.0
     instead_share: float = 0.02
     form_beside: float = 10.0
     form_share: float = 0.04
     loose_share: float = 0.15
+    pair_beside: float = 8.0
 
 
 DEFAULT_GATES = Gates()
