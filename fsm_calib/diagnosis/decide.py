@@ -209,7 +209,7 @@ class Judge:
         if left.surprise > self.gates.unexplained_surprise and location.p_value < SIGNIFICANT:
             outcome = "unexplained"
             reason = f"the residual depends on {left.group} (10^-{left.surprise:.0f} by chance), no effect explains it"
-        elif not against.loose and against.misshapen(self.gates):
+        elif not against.loose and against.beside > self.gates.nameless:
             outcome = "unexplained"
             reason = (
                 f"the robot's speeds depend on {' and '.join(against.beside_quantities)} "
