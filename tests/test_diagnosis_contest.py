@@ -14,7 +14,7 @@ from fsm_calib.diagnosis.form_frame import lagged
 from fsm_calib.diagnosis.forms import RECIPES, forms
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.hypotheses import Hypothesis, switched_off
-from fsm_calib.diagnosis.plausible import has_size, is_plausible, is_seen, lasts
+from fsm_calib.diagnosis.plausible import has_size, is_crossed, is_plausible, is_seen, lasts, stays_in
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.response import driven
 from fsm_calib.diagnosis.simulator import make_simulator
@@ -125,6 +125,25 @@ def test_a_place_that_covers_the_floor_or_is_hardly_touched_is_none():
     assert not is_plausible(wide, engine.simulators)
     assert is_plausible(narrow, engine.simulators)
     assert not is_plausible(beside, engine.simulators)
+
+
+def test_stays_in_a_place_are_told_apart():
+    inside = np.array([False, True, True, False, False, True, False, True])
+    assert stays_in(inside, np.full(8, 0.1)) == pytest.approx([0.2, 0.1, 0.1])
+    assert stays_in(np.zeros(3, dtype=bool), np.ones(3)) == []
+
+
+@pytest.mark.parametrize(("radius", "holds"), [(0.03, False), (0.25, True)])
+def test_a_place_crossed_once_for_a_moment_is_none(radius, holds):
+    engine = Engine((make_simulator(prepare(recording(0, duration=12.0))),))
+    base = fit_base(engine)
+    path = engine.simulators[0].prepared.reference
+    values, corner = base.values.copy(), path[int(np.argmax(np.hypot(*(path[:, :2] - path[0, :2]).T)))]
+    numbers = {"x": corner[0], "y": corner[1], "radius": radius, "turn": 0.1}
+    for name, number in numbers.items():
+        values[:, parameter_table().place(f"misplaced_marker.{name}")] = number
+    marker = Ranked(Hypothesis("misplaced_marker", ("turn",)), replace(base, values=values), 100.0, 60.0)
+    assert is_crossed(marker, engine.simulators) is holds
 
 
 def at_value(fit, effect, name, value):

@@ -23,6 +23,7 @@ AT_BOUND = 1e-4  # of the range between the bounds: nearer, a number rests there
 SHORTEST_SPAN = 2.0  # s: within it a robot is pushed and brought back by its motors
 LONGEST_BLINK = 0.5  # s between poses: a push and what the motors make of it take no longer
 LEAST_INSIDE = 0.5  # s of driving: a few outliers in a row are no place
+SECOND_STAY = 0.2  # s: a few poses
 MOST_INSIDE = 0.7  # of the driving time; by the same token a place needs a third of the drive to compare with
 
 
@@ -71,15 +72,27 @@ def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
 
 
 def is_crossed(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
-    """Return whether the robot drove on the place for a while, and beside it as well; True for other effects."""
+    """Return whether the robot drove on the place for a while, and beside it as well; True for other effects.
+
+    One short stay is a moment as much as a place: it takes a second one, or a stay that is longer than a push.
+    """
     if registry()[ranked.name].scan != "place":
         return True
-    inside, total = 0.0, 0.0
+    stays, total = [0.0], 0.0
     for simulator, values in zip(simulators, ranked.fit.values, strict=True):
         p = simulator.prepared
-        total += float(np.sum(p.dt * p.moving))
-        inside += float(np.sum((p.dt * p.moving)[in_place(ranked.name, values, p.reference)]))
-    return LEAST_INSIDE <= inside <= MOST_INSIDE * total
+        driven = p.dt * p.moving
+        total += float(np.sum(driven))
+        stays += stays_in(in_place(ranked.name, values, p.reference), driven)
+    inside, longest = sum(stays), max(stays)
+    again = longest >= SHORTEST_SPAN or inside - longest >= SECOND_STAY
+    return again and LEAST_INSIDE <= inside <= MOST_INSIDE * total
+
+
+def stays_in(inside: np.ndarray, driven: FloatArray) -> list[float]:
+    """Return how long [s] each stay lasted; inside : (n,) bool, driven : (n,) time driven up to each event [s]."""
+    entered = inside & ~np.concatenate([[False], inside[:-1]])
+    return [float(t) for t in np.bincount(np.cumsum(entered)[inside], driven[inside])[1:]]
 
 
 def in_place(name: str, values: FloatArray, path: FloatArray) -> np.ndarray:
