@@ -58,6 +58,14 @@ def test_recordings_of_poses_alone_have_been_judged_already():
     assert shown_in_poses(simulators(recording(0)), DEFAULT_GATES)
 
 
+def test_headings_without_positions_cannot_be_asked_alone(late_encoder):
+    unplaced = [
+        replace(s, prepared=replace(s.prepared, poses=replace(s.prepared.poses, placed=False)))
+        for s in late_encoder
+    ]
+    assert shown_in_poses(unplaced, DEFAULT_GATES)
+
+
 def test_a_replay_without_encoders_keeps_its_poses(late_encoder):
     (before, after) = (late_encoder[0].prepared, without_encoders(late_encoder[0]).prepared)
     assert before.has_encoders

@@ -4,7 +4,8 @@ Encoders are finer than any tracker: they see a wheel follow its tyre a few mill
 the base robot to within its noise. With a name such a finding can be modelled; without one it would only be alarm. So
 the encoders are left out, the base robot is fitted again, and what is left in the poses is asked the two questions
 that reveal a mismatch: does it depend on anything (`adequacy.py`), does a form without a name explain it
-(`contest.py`)? Assumes that poses are measured; recordings without encoders have been judged by their poses already.
+(`contest.py`)? Assumes that whole poses are measured: where headings alone are, encoders are all that tells the way,
+and recordings without encoders have been judged by their poses already.
 """
 
 from __future__ import annotations
@@ -27,8 +28,9 @@ OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn;
 
 
 def shown_in_poses(simulators: Sequence[Simulator], gates: Gates) -> bool:
-    """Return whether poses alone differ from a base robot re-fitted to them; True where nothing else was measured."""
-    if not any(s.prepared.has_encoders for s in simulators):
+    """Return whether poses alone differ from a base robot re-fitted to them; True where they cannot be asked alone."""
+    prepared = [s.prepared for s in simulators]
+    if not any(p.has_encoders for p in prepared) or not all(p.poses.placed for p in prepared):
         return True
     engine = Engine(tuple(without_encoders(s) for s in simulators))
     base = fit_base(engine)
