@@ -8,7 +8,7 @@ from diagnosis_robots import recording
 
 from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names
-from fsm_calib.diagnosis.belief import GENERAL_DOUBT, confidence, joint_confidence
+from fsm_calib.diagnosis.belief import GENERAL_DOUBT, confidence, joint_confidence, sureness
 from fsm_calib.diagnosis.contest import Contest
 from fsm_calib.diagnosis.crossval import held_out_gains
 from fsm_calib.diagnosis.fit import Engine
@@ -53,6 +53,21 @@ def test_forms_without_a_name_have_even_odds_at_their_gate():
 def test_confidence_falls_as_forms_come_near():
     names = [ranked("floor_tilt", 400.0)]
     assert sure(names, instead=-20.0) > sure(names, instead=-4.0) > sure(names, instead=2.0)
+
+
+def test_a_single_name_is_as_sure_as_its_set():
+    delays = [ranked("command_delay", 90.0), ranked("observation_delay", 88.0), ranked("clock_drift", 20.0)]
+    said = replace(model(), effects=(delays[0],))
+    both = joint_confidence(["command_delay", "observation_delay"], delays, said, DEFAULT_GATES)
+    assert sureness(said, delays, DEFAULT_GATES) == pytest.approx(both)
+
+
+def test_a_pair_has_no_rivals_among_single_effects_but_forms():
+    pair = (ranked("command_delay", 90.0), ranked("floor_tilt", 60.0))
+    single = [ranked("command_delay", 90.0), ranked("gear_backlash", 89.0)]
+    alone, beside_forms = (replace(model(beside=b), effects=pair) for b in (-100.0, 9.0))
+    assert sureness(alone, single, DEFAULT_GATES) == pytest.approx(1.0 - GENERAL_DOUBT, rel=1e-3)
+    assert sureness(beside_forms, single, DEFAULT_GATES) < DEFAULT_GATES.least_confidence
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from fsm_calib.diagnosis.bank import Ranked
-from fsm_calib.diagnosis.gates import Gates
+from fsm_calib.diagnosis.gates import Gates, indistinguishable
 from fsm_calib.diagnosis.model import Model
 
 TEMPER = 3.0  # evidence gaps are divided by it: inexact equations make likelihoods over-confident (development seeds)
@@ -34,6 +34,17 @@ def confidence(name: str, evidence: float, pool: Sequence[Ranked], model: Model,
 def joint_confidence(names: Sequence[str], pool: Sequence[Ranked], model: Model, gates: Gates) -> float:
     """Return the probability that one of `names`, which the data cannot tell apart, is right."""
     return sum(confidence(name, 0.0, pool, model, gates) for name in names)
+
+
+def sureness(model: Model, ranking: Sequence[Ranked], gates: Gates) -> float:
+    """Return the probability that what a model says is right: of a name, that of its set in the ranking.
+
+    A pair has no rivals in a ranking of single effects; forms without a name and nothing at all stand against it.
+    """
+    if len(model.effects) > 1:
+        first = model.effects[0]
+        return confidence(first.name, first.evidence, (), model, gates)
+    return joint_confidence(indistinguishable(ranking, gates), ranking, model, gates)
 
 
 def _unnamed(model: Model, gates: Gates) -> list[float]:

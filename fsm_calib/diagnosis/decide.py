@@ -12,7 +12,7 @@ import numpy as np
 from fsm_calib.diagnosis.adequacy import left_over, project
 from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names
-from fsm_calib.diagnosis.belief import joint_confidence
+from fsm_calib.diagnosis.belief import sureness
 from fsm_calib.diagnosis.contest import contest
 from fsm_calib.diagnosis.crossval import held_out_gains, is_global
 from fsm_calib.diagnosis.features import feature_groups
@@ -234,9 +234,10 @@ class Judge:
                 "unexplained",
                 "the best explanation does not predict a recording that it was not fitted on",
             )
-        alone = indistinguishable(ranking, self.gates) if len(model.effects) == 1 else []
-        if alone and joint_confidence(alone, ranking, model, self.gates) < self.gates.least_confidence:
-            return "unexplained", f"nearest: {', '.join(alone)}, but not surely enough for a name"
+        if sureness(model, ranking, self.gates) < self.gates.least_confidence:
+            said = [e.name for e in model.effects]
+            nearest = said if len(said) > 1 else indistinguishable(ranking, self.gates)
+            return "unexplained", f"nearest: {', '.join(nearest)}, but not surely enough for a name"
         if not left.passes(self.gates):
             return "explained", f"most of the error is explained; what is left depends on {left.group}"
         return "explained", "detected, adequate and useful"
