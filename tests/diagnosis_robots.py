@@ -11,6 +11,7 @@ from fsm_calib.world2d.rollout import Drive
 GAIN_LEFT, GAIN_RIGHT = 0.66, 0.61  # m/s
 POSITION_NOISE, HEADING_NOISE = 0.002, 0.006  # m, rad
 RATE = 15.0  # Hz
+START = (0.1, -0.1, 0.4)  # m, m, rad
 
 
 def drive(rng, duration=40.0):
@@ -27,14 +28,18 @@ def drive(rng, duration=40.0):
     return Drive(time, left, right)
 
 
-def recording(seed=0, duration=40.0, noise=1.0, **changes):
-    """Return a recording of a robot whose parameters are changed by full name with `__` for the dot."""
-    rng = np.random.default_rng(seed)
+def robot(**changes):
+    """Return the parameters of a robot, changed by full name with `__` for the dot."""
     base = {"gain_left": GAIN_LEFT, "gain_right": GAIN_RIGHT}
-    vector = parameters({**base, **{name.replace("__", "."): value for name, value in changes.items()}})
+    return parameters({**base, **{name.replace("__", "."): value for name, value in changes.items()}})
+
+
+def recording(seed=0, duration=40.0, noise=1.0, **changes):
+    """Return a recording of a `robot` with `changes`."""
+    rng = np.random.default_rng(seed)
     commands = drive(rng, duration)
     stamps = np.arange(0.0, duration, 1.0 / RATE)
-    poses = predict(vector, commands, stamps, (0.1, -0.1, 0.4)).poses
+    poses = predict(robot(**changes), commands, stamps, START).poses
     poses = poses + noise * rng.normal(size=poses.shape) * [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE]
     return Recording(
         robot=RobotFacts(name="simulated", wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=20.0),

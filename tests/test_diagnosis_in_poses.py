@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import GAIN_LEFT, GAIN_RIGHT, recording
+from diagnosis_robots import START, recording, robot
 
 from fsm_calib.diagnosis.decide import decide
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
@@ -13,7 +13,6 @@ from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.simulator import make_simulator
 from fsm_calib.recording.channels import WheelPair
 from fsm_calib.world2d.observation import predict
-from fsm_calib.world2d.parameters import parameters
 from fsm_calib.world2d.rollout import Drive
 
 ENCODER_RATE, TICK = 60.0, 2.0 * np.pi / 1600.0  # Hz, rad
@@ -23,13 +22,11 @@ def with_encoders(seed, late=0.0, **changes):
     """A drive with encoders, the right one `late` [s] behind its wheel."""
     seen = recording(seed, **changes)
     command = seen.command
-    base = {"gain_left": GAIN_LEFT, "gain_right": GAIN_RIGHT}
-    vector = parameters({**base, **{name.replace("__", "."): value for name, value in changes.items()}})
     times = np.arange(0.2, 39.0, 1.0 / ENCODER_RATE)
     commands = Drive(command.time, command.left, command.right)
 
     def angles(at):
-        found = predict(vector, commands, seen.pose.time, (0.1, -0.1, 0.4), wheel_times=at).wheel_angles
+        found = predict(robot(**changes), commands, seen.pose.time, START, wheel_times=at).wheel_angles
         return TICK * np.round(found / TICK)
 
     pair = WheelPair(times, angles(times)[:, 0], angles(times - late)[:, 1], resolution=TICK)

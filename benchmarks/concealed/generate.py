@@ -30,6 +30,8 @@ from concealed.sizing import floor, ratio
 RUNS = ("run-a", "run-b", "run-h")
 LEVELS = {"plain": (1.5, 2.5), "masked": (1.1, 1.5), "faint": (1.02, 1.10)}
 """2 s error of the re-fitted base over the noise floor."""
+CLEAN = {"names": [], "level": "none"}
+"""The row of a robot that hides nothing."""
 
 
 def plan(count: int, seed: int) -> list[dict]:
@@ -40,7 +42,7 @@ def plan(count: int, seed: int) -> list[dict]:
     rows = [
         {"names": [names[i % len(names)]], "level": list(LEVELS)[i // len(names) % 3]} for i in range(single)
     ]
-    rows += [{"names": [], "level": "none"} for _ in range(round(0.15 * count))]
+    rows += [CLEAN] * round(0.15 * count)
     rows += [
         {"names": [OUTSIDE[i % len(OUTSIDE)].name], "level": ["plain", "plain", "masked"][i % 3]}
         for i in range(round(0.08 * count))
@@ -245,7 +247,7 @@ def main() -> None:
         "--clean", action="store_true", help="robots that hide nothing, for the rate of false names"
     )
     a = parser.parse_args()
-    rows = [{"names": [], "level": "none"}] * a.robots if a.clean else plan(a.robots, a.seed)
+    rows = [CLEAN] * a.robots if a.clean else plan(a.robots, a.seed)
     lines = Parallel(n_jobs=a.jobs, verbose=5)(
         delayed(make_robot)(a.out, i, row, a.seed) for i, row in enumerate(rows)
     )

@@ -21,7 +21,7 @@ from fsm_calib.diagnosis.hypotheses import (
     switched_off,
 )
 from fsm_calib.diagnosis.scan import SCANS, Candidate, Scanner
-from fsm_calib.diagnosis.situation import situation
+from fsm_calib.diagnosis.situation import situations_of
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
@@ -74,7 +74,7 @@ class Bank:
     def on(cls, engine: Engine, parent: Fit, wanted: float = 0.0) -> Bank:
         """Prepare probing and scanning; what stays far below the evidence `wanted` is not fitted to the end."""
         residual, worth = residual_of(engine, parent), 0.5 * FAR_BELOW * wanted
-        situations = [situation(s, v) for s, v in zip(engine.simulators, parent.values, strict=True)]
+        situations = situations_of(engine.simulators, parent.values)
         return cls(
             engine,
             parent,

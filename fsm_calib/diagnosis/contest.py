@@ -63,7 +63,7 @@ class Contest:
     def allowed(self, gates: Gates) -> float:
         """Return the evidence that forms beside the name may have, since equations are inexact.
 
-        Two exact names may leave none: together they bend to a third law (dry friction and a scrubbing tyre to a
+        Two exact names may leave hardly any: together they bend to a third law (dry friction and a scrubbing tyre to a
         dragging caster), and what does not fit is all that tells.
         """
         if self.names > 1 and not self.loose:

@@ -13,7 +13,7 @@ from fsm_calib.diagnosis.adequacy import left_over, project
 from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names
 from fsm_calib.diagnosis.belief import sureness
-from fsm_calib.diagnosis.contest import contest
+from fsm_calib.diagnosis.contest import Contest, contest
 from fsm_calib.diagnosis.crossval import held_out_gains, is_global
 from fsm_calib.diagnosis.features import feature_groups
 from fsm_calib.diagnosis.fit import Engine, Fit
@@ -28,7 +28,7 @@ from fsm_calib.diagnosis.pairs import survivor
 from fsm_calib.diagnosis.placing import placed
 from fsm_calib.diagnosis.plausible import is_plausible
 from fsm_calib.diagnosis.simulator import Simulator
-from fsm_calib.diagnosis.situation import situation
+from fsm_calib.diagnosis.situation import situations_of
 from fsm_calib.world2d.effects import Effect, registry
 
 POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
@@ -73,23 +73,38 @@ class Judge:
         self.seconds[part] = self.seconds.get(part, 0.0) + perf_counter() - since
 
     def decide(self) -> Decision:
-        """Run the whole chain."""
+        """Run the whole chain; what the encoders alone see without a name is a match."""
+        decision = self._answer()
+        began = perf_counter()
+        confirmed = decision.outcome != "unexplained" or shown_in_poses(self.engine.simulators, self.gates)
+        self.timed("poses alone", began)
+        if confirmed:
+            return decision
+        model = decision.model
+        if model.effects:
+            model, _ = self._bare(decision.base, decision.location)
+        reason = (
+            f"the poses agree with the re-fitted base robot, the encoders alone differ: {decision.reason}"
+        )
+        return replace(decision, outcome="match", reason=reason, model=model, second_ranking=())
+
+    def _answer(self) -> Decision:
+        """Ask everything that was measured."""
         began = perf_counter()
         self.progress("base robot")
         base = fit_base(self.engine)
         self.timed("base", began)
         began = perf_counter()
-        situations = [situation(s, v) for s, v in zip(self.engine.simulators, base.values, strict=True)]
+        situations = situations_of(self.engine.simulators, base.values)
         location = locate(self.engine, base, situations, self.rng)
         self.timed("locate", began)
         began = perf_counter()
         bank = Bank.on(self.engine, base)
         ranking = self._polish(bank.rank(self.effects, self.progress), base)
         self.timed("catalogue", began)
-        plain = Model((), base, adequacy(location.tests, 0.0), (), location.tests)
         ranking = [r for r in ranking if is_plausible(r, self.engine.simulators) and self._stands_out(r)]
         if not ranking or ranking[0].evidence < self.gates.detect:
-            return self._confirmed(self._without_name(plain, base, ranking, location, bank), plain)
+            return self._without_name(base, ranking, location, bank)
         first = self._model((ranking[0],), ranking[0].fit, base)
         second_ranking: tuple[Ranked, ...] = ()
         model = first
@@ -102,23 +117,9 @@ class Judge:
             fit = placed(self.engine, model.fit, model.effects, self.rng)
             model = replace(model, fit=dated(self.engine, fit, model.effects))
             self.timed("place and moment", began)
-        decision = Decision(
+        return Decision(
             outcome, reason, self.engine, base, model, tuple(ranking), second_ranking, location, bank, self.seconds
         )  # fmt: skip
-        return self._confirmed(decision, plain)
-
-    def _confirmed(self, decision: Decision, plain: Model) -> Decision:
-        """Return the decision; a match where a mismatch without a name is seen by the encoders alone."""
-        began = perf_counter()
-        confirmed = decision.outcome != "unexplained" or shown_in_poses(self.engine.simulators, self.gates)
-        self.timed("poses alone", began)
-        if confirmed:
-            return decision
-        plain = replace(plain, contest=contest(self.engine, decision.base, decision.base, []))
-        reason = (
-            f"the poses agree with the re-fitted base robot, the encoders alone differ: {decision.reason}"
-        )
-        return replace(decision, outcome="match", reason=reason, model=plain, second_ranking=())
 
     def _stands_out(self, ranked: Ranked) -> bool:
         """Return whether an event wins clearly more than other moments do; True where no moment was sought."""
@@ -140,7 +141,7 @@ class Judge:
         """Test what a model leaves and what it predicts."""
         began = perf_counter()
         self.progress("what is left")
-        situations = [situation(s, v) for s, v in zip(self.engine.simulators, fit.values, strict=True)]
+        situations = situations_of(self.engine.simulators, fit.values)
         tests = left_over(self.engine, fit, feature_groups(situations))
         self.timed("left over", began)
         began = perf_counter()
@@ -198,12 +199,15 @@ class Judge:
         self.timed("swaps", began)
         return best
 
-    def _without_name(
-        self, plain: Model, base: Fit, ranking: Sequence[Ranked], location: Location, bank: Bank
-    ) -> Decision:
+    def _bare(self, base: Fit, location: Location) -> tuple[Model, Contest]:
+        """Return the base robot alone with what it leaves, and how forms do beside it."""
+        against = contest(self.engine, base, base, [])
+        return Model((), base, adequacy(location.tests, 0.0), (), location.tests, against), against
+
+    def _without_name(self, base: Fit, ranking: Sequence[Ranked], location: Location, bank: Bank) -> Decision:
         """No effect is detected: a match, or a mismatch that nothing in the catalogue resembles."""
-        left, against = plain.adequacy, contest(self.engine, base, base, [])
-        plain = replace(plain, contest=against)
+        plain, against = self._bare(base, location)
+        left = plain.adequacy
         outcome: Outcome = "match"
         reason = "the re-fitted base robot explains the recordings to within their noise"
         if left.surprise > self.gates.unexplained_surprise and location.p_value < SIGNIFICANT:

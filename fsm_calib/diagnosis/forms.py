@@ -17,7 +17,7 @@ import numpy as np
 from fsm_calib.diagnosis.features import body_columns, hats
 from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.form_frame import DRY_SPEED, Frame, frames_of, lagged, powers, sign
-from fsm_calib.diagnosis.situation import last_sign, situation
+from fsm_calib.diagnosis.situation import last_sign, situations_of
 from fsm_calib.types import FloatArray
 
 AT_REST = 0.01  # command below which a wheel coasts
@@ -207,6 +207,6 @@ RECIPES: dict[str, Callable[[Frame], FloatArray]] = {
 
 def forms(engine: Engine, fit: Fit) -> list[Form]:
     """Return every un-named correction for the recordings of one robot, speeds simulated with `fit`."""
-    situations = [situation(s, v) for s, v in zip(engine.simulators, fit.values, strict=True)]
+    situations = situations_of(engine.simulators, fit.values)
     frames = frames_of(engine.simulators, situations, fit)
     return [Form(name, tuple(recipe(f) for f in frames)) for name, recipe in RECIPES.items()]

@@ -22,7 +22,7 @@ from fsm_calib.diagnosis.features import feature_groups
 from fsm_calib.diagnosis.fit import Engine
 from fsm_calib.diagnosis.gates import Gates, adequacy
 from fsm_calib.diagnosis.simulator import Simulator
-from fsm_calib.diagnosis.situation import situation
+from fsm_calib.diagnosis.situation import situations_of
 
 OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn; not the wheels
 
@@ -36,8 +36,8 @@ def shown_in_poses(simulators: Sequence[Simulator], gates: Gates) -> bool:
     base = fit_base(engine)
     if contest(engine, base, base, []).misshapen(gates):
         return True
-    situations = [situation(s, v) for s, v in zip(engine.simulators, base.values, strict=True)]
-    left = adequacy(left_over(engine, base, feature_groups(situations)), 0.0)
+    groups = feature_groups(situations_of(engine.simulators, base.values))
+    left = adequacy(left_over(engine, base, groups), 0.0)
     return left.surprise > gates.unexplained_surprise
 
 

@@ -6,6 +6,7 @@ would correlate with the residual (measured: clean robots then look ill).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,6 +70,11 @@ def situation(simulator: Simulator, values: FloatArray) -> Situation:
         roll=np.column_stack([at(states[:, 6]), at(states[:, 7])]),
         half=half,
     )  # fmt: skip
+
+
+def situations_of(simulators: Sequence[Simulator], values: FloatArray) -> list[Situation]:
+    """Return the situations of all recordings, each simulated with its own row of `values` (runs, p)."""
+    return [situation(s, v) for s, v in zip(simulators, values, strict=True)]
 
 
 def last_sign(x: FloatArray, least: float) -> FloatArray:
