@@ -34,11 +34,11 @@ def robot(**changes):
     return parameters({**base, **{name.replace("__", "."): value for name, value in changes.items()}})
 
 
-def recording(seed=0, duration=40.0, noise=1.0, **changes):
-    """Return a recording of a `robot` with `changes`."""
+def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, **changes):
+    """Return a recording of a `robot` with `changes`, its poses at `rate` [Hz]."""
     rng = np.random.default_rng(seed)
     commands = drive(rng, duration)
-    stamps = np.arange(0.0, duration, 1.0 / RATE)
+    stamps = np.arange(0.0, duration, 1.0 / rate)
     poses = predict(robot(**changes), commands, stamps, START).poses
     poses = poses + noise * rng.normal(size=poses.shape) * [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE]
     return Recording(

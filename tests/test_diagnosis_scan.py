@@ -13,7 +13,7 @@ from fsm_calib.diagnosis.fit import Engine
 from fsm_calib.diagnosis.hypotheses import Hypothesis, declared_starts, with_values
 from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.scan import SCANS
-from fsm_calib.diagnosis.scan_markers import jumps_of, likely_discs
+from fsm_calib.diagnosis.scan_markers import jump_evidence, jumps_of, likely_discs
 from fsm_calib.diagnosis.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
 
@@ -80,6 +80,23 @@ def test_a_shifted_marker_or_the_rest_of_the_map_shifted_back_is_found():
     best = discs_of(bank_of(*(recording(seed, **numbers, **place) for seed in (0, 1))), shifted=True)[0]
     sign = np.sign(best.shift_x)
     assert sign * np.array([best.shift_x, best.shift_y]) == pytest.approx((0.03, -0.02), abs=0.01)
+
+
+def test_the_disc_is_found_to_a_centimetre_where_poses_come_fast():
+    marker = {"turn": 0.12, "x": 0.16, "y": 0.02, "radius": 0.21}
+    numbers = {f"misplaced_marker__{name}": value for name, value in marker.items()}
+    best = discs_of(bank_of(*(recording(seed, rate=30.0, **numbers) for seed in (0, 1))))[0]
+    assert (best.x, best.y, best.radius) == pytest.approx((0.16, 0.02, 0.21), abs=0.01)
+
+
+def test_four_outliers_in_a_row_are_no_evidence_of_a_marker():
+    drive = recording(0)
+    x, theta = drive.pose.x.copy(), drive.pose.theta.copy()
+    x[420:424] += 0.05
+    theta[420:424] += 0.1
+    bank = bank_of(replace(drive, pose=replace(drive.pose, x=x, theta=theta)))
+    prepared = [s.prepared for s in bank.engine.simulators]
+    assert jump_evidence(prepared, bank.parent.simulated, bank.engine.count) < 10.0
 
 
 def test_two_outliers_in_a_row_are_no_marker():

@@ -21,7 +21,7 @@ from fsm_calib.world2d.parameters import parameter_table
 
 SPREADS = (0.12, 0.03, 0.01)  # m, standard deviations of centres, round by round
 SIZE_PER_METRE = 2.5  # standard deviation of a size's logarithm for each metre of that of the centre [1/m]
-DRAWN, ELITE = 72, 6  # candidates of a round, and how many of all so far the next is drawn about
+DRAWN, ELITE = 144, 6  # candidates of a round, and how many of all so far the next is drawn about
 STEPS = 8
 
 

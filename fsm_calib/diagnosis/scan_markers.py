@@ -7,9 +7,10 @@ back where it leaves. Between two frames k - 1 and k the jump is
 
 e_k [m, m, rad] in world axes, r_k [m] the place seen from the disc's centre. For a disc, turn and shift are linear, and
 least squares over the frames with their robust spread tells what they would win. The edge must be right to a frame or
-two, so that discs stand close (each costs only a look at every frame), and jumps are taken from a frame before to a
-frame after the crossing. The centre need not have been visited.
-The spread is a median of all frames: the fitted noise has swallowed the jumps, and would hide them.
+two: 8 mm beside the truth a disc may promise a quarter of what it does there (measured, poses at 30 Hz). A first look
+at a grid of discs therefore takes jumps over the time in which the robot travels from one disc to the next; the best
+then move and resize by what jumps from a frame before to a frame after the crossing tell. The centre need not have
+been visited. The spread is a median of all frames: the fitted noise has swallowed the jumps, and would hide them.
 """
 
 from __future__ import annotations
@@ -24,13 +25,14 @@ from fsm_calib.diagnosis.leaders import apart
 from fsm_calib.diagnosis.prepared import Prepared
 from fsm_calib.types import FloatArray
 
-CENTRE_PITCH = 0.03  # m: a frame's travel
+CENTRE_PITCH = 0.03  # m
 RADII = np.arange(0.09, 0.40, 0.03)  # m: how far off a marker is still the one that is seen
-FINE = (0.015, 0.0075)  # m, by which the best discs are moved at the end
+MOVED_WIDE, MOVED = (0.015, 0.0075), (0.0075, 0.004, 0.002)  # m, by which the best discs are moved at the end
 LARGEST_JUMP = 12.0  # robust standard deviations: larger ones count as so many, a lone outlier is no marker
 SURE_JUMP = 6.0  # the same where one asks whether there is a marker at all
 SLACK = 1  # frames before and after a crossing that may be its own
-SHORTEST_STAY = 4  # frames: a shorter visit is an outlier's, or all edge
+WIDE_TIME, WIDE_LEAST = 0.1, 2  # s, frames: the same for the grid, in which a robot travels about its pitch
+SHORTEST_STAY = 6  # frames: a shorter visit is all edge, or a few outliers in a row (4 of them, measured)
 FEWEST_JUMPS = 2  # entries and exits that a disc must have
 DISC_NUMBERS = 4  # turn, centre, radius
 KEPT = 3
@@ -43,11 +45,16 @@ MAD_TO_SD = 1.4826  # of a normal distribution
 
 @dataclass(frozen=True, eq=False)
 class Jumps:
-    """Unexplained motion from pose to pose: place (n, 2) [m], jump (n, 3) [m, m, rad] in world axes, spread (3,)."""
+    """Unexplained motion about each pose: place (n, 2) [m], jump (n, 3) [m, m, rad] in world axes, spread (3,).
+
+    wide, wide_spread : the same over the longer time that a grid of discs needs.
+    """
 
     place: FloatArray
     jump: FloatArray
     spread: FloatArray
+    wide: FloatArray
+    wide_spread: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,32 +97,41 @@ def jumps_of(prepared: Prepared, simulated: FloatArray, largest: float = LARGEST
     drift[1:, 1] = sin[:-1] * too_far[1:, 0] + cos[:-1] * too_far[1:, 1]
     drift[1:, 2] = too_far[1:, 2]
     poses = np.flatnonzero(p.seen[:, 2])
-    unexplained = (off - np.cumsum(drift, axis=0))[poses]
-    chain = np.cumsum(p.restart)[poses]
-    jump = np.full_like(unexplained, np.nan)
-    inner = slice(1 + SLACK, len(poses) - SLACK)
-    width = 1 + 2 * SLACK
+    unexplained, chain = (off - np.cumsum(drift, axis=0))[poses], np.cumsum(p.restart)[poses]
+    wide = max(WIDE_LEAST, round(WIDE_TIME / float(p.geometry[2])))
+    return Jumps(
+        p.reference[poses, :2],
+        *_over(unexplained, chain, SLACK, largest),
+        *_over(unexplained, chain, wide, largest),
+    )
+
+
+def _over(
+    unexplained: FloatArray, chain: FloatArray, slack: int, largest: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the change (n, 3) from `slack` frames before a step to `slack` after it, nan across breaks; its spread."""
+    jump, width = np.full_like(unexplained, np.nan), 1 + 2 * slack
+    inner = slice(1 + slack, len(unexplained) - slack)
     jump[inner] = unexplained[width:] - unexplained[:-width]
     jump[inner][chain[width:] != chain[:-width]] = np.nan
     known = jump[np.isfinite(jump[:, 2])]
     spread = MAD_TO_SD * np.median(np.abs(known), axis=0) if len(known) else np.ones(3)
     spread = np.maximum(spread, SMALLEST_SPREAD)
-    return Jumps(p.reference[poses, :2], np.clip(jump, -largest * spread, largest * spread), spread)
+    return np.clip(jump, -largest * spread, largest * spread), spread
 
 
 def likely_discs(jumps: Sequence[Jumps], shifted: bool, kept: int = KEPT) -> list[Disc]:
     """Return the most promising discs, apart from each other: of a turned marker, or of one `shifted` as well."""
-    frames = Frames(
-        np.vstack([j.place for j in jumps]),
-        np.vstack([j.jump for j in jumps]),
-        np.vstack([np.tile(j.spread**-2, (len(j.place), 1)) for j in jumps]),
-    )
-    discs = _grid(frames.place)
-    promise = frames.numbers(discs, shifted)[:, 0]
+    place = np.vstack([j.place for j in jumps])
+    wide = Frames.of(place, [(j.wide, j.wide_spread) for j in jumps])
+    narrow = Frames.of(place, [(j.jump, j.spread) for j in jumps])
+    discs = _grid(place)
+    promise = wide.numbers(discs, shifted)[:, 0]
     any_good = promise > 0.0
     promise, discs = promise[any_good], discs[any_good]
-    found = [_refined(frames, discs[i], shifted) for i in apart(promise, discs[:, :2], kept, APART)]
-    return sorted(found, key=lambda disc: -disc.promise)
+    best = [discs[i] for i in apart(promise, discs[:, :2], kept, APART)]
+    moved = [narrow.moved(wide.moved(disc, MOVED_WIDE, shifted), MOVED, shifted) for disc in best]
+    return sorted((narrow.disc(disc, shifted) for disc in moved), key=lambda disc: -disc.promise)
 
 
 def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray], count: int) -> float:
@@ -139,10 +155,29 @@ class Frames:
     jump: FloatArray
     weight: FloatArray
 
+    @classmethod
+    def of(cls, place: FloatArray, jumps: Sequence[tuple[FloatArray, FloatArray]]) -> Frames:
+        """Join the jumps (n, 3) of all recordings, each with its spread (3,)."""
+        weight = [np.tile(spread**-2, (len(jump), 1)) for jump, spread in jumps]
+        return cls(place, np.vstack([jump for jump, _ in jumps]), np.vstack(weight))
+
     def numbers(self, discs: FloatArray, shifted: bool) -> FloatArray:
         """Return promise, turn [rad] and shift [m] of discs (m, 3), shape (m, 4)."""
         found = _numbers(self.place, self.jump, self.weight, discs, 3 if shifted else 1)
         return np.asarray(found, dtype=float)
+
+    def moved(self, disc: FloatArray, steps: Sequence[float], shifted: bool) -> FloatArray:
+        """Move and resize a disc (3,) by ever smaller `steps` [m] to where it promises most."""
+        for step in steps:
+            tried = disc + step * MOVES
+            disc = tried[int(np.argmax(self.numbers(tried, shifted)[:, 0]))]
+        return disc
+
+    def disc(self, disc: FloatArray, shifted: bool) -> Disc:
+        """Return a disc (3,) with the turn and shift that fit it best."""
+        x, y, radius = map(float, disc)
+        promise, turn, shift_x, shift_y = map(float, self.numbers(disc[None], shifted)[0])
+        return Disc(x, y, radius, turn, shift_x, shift_y, promise)
 
 
 def _grid(place: FloatArray) -> FloatArray:
@@ -152,16 +187,6 @@ def _grid(place: FloatArray) -> FloatArray:
         np.arange(low[0], high[0], CENTRE_PITCH), np.arange(low[1], high[1], CENTRE_PITCH), RADII
     )
     return np.column_stack([x.ravel(), y.ravel(), r.ravel()])
-
-
-def _refined(frames: Frames, disc: FloatArray, shifted: bool) -> Disc:
-    """Move and resize a disc by ever smaller steps."""
-    for step in FINE:
-        tried = disc + step * MOVES
-        disc = tried[int(np.argmax(frames.numbers(tried, shifted)[:, 0]))]
-    x, y, radius = map(float, disc)
-    promise, turn, shift_x, shift_y = map(float, frames.numbers(disc[None], shifted)[0])
-    return Disc(x, y, radius, turn, shift_x, shift_y, promise)
 
 
 @njit(cache=True)
