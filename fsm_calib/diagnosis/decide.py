@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from fsm_calib.diagnosis.adequacy import left_over, project
+from fsm_calib.diagnosis.adequacy import left_over
 from fsm_calib.diagnosis.bank import Bank, Ranked, polished
 from fsm_calib.diagnosis.base import fit_base, noise_names
 from fsm_calib.diagnosis.belief import sureness
@@ -19,7 +19,7 @@ from fsm_calib.diagnosis.features import feature_groups
 from fsm_calib.diagnosis.fit import Engine, Fit
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, adequacy, indistinguishable
 from fsm_calib.diagnosis.heldout import error_left
-from fsm_calib.diagnosis.hypotheses import catalogue, declared_starts, hypotheses_of, shown_by, with_values
+from fsm_calib.diagnosis.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.in_poses import shown_in_poses
 from fsm_calib.diagnosis.locate import SIGNIFICANT, Location, locate
 from fsm_calib.diagnosis.model import Model
@@ -260,37 +260,3 @@ def decide(
     effects = shown_by(catalogue(without), engine.simulators)
     judge = Judge(engine, effects, gates, progress, np.random.default_rng(seed))
     return judge.decide()
-
-
-def smallest_sizes(decision: Decision, threshold: float) -> dict[str, tuple[str, float, str]]:
-    """Return, for a match, the size of each plain effect that would have been seen: name to (parameter, size, unit)."""
-    found: dict[str, tuple[str, float, str]] = {}
-    bank = decision.bank
-    for effect in shown_by(registry().values(), decision.engine.simulators):
-        if effect.scan or effect.family == "base":
-            continue
-        hypothesis = next(hypotheses_of(effect, len(decision.engine.simulators)))
-        changes = declared_starts(hypothesis)[0]
-        x = project(bank.prober.residual, bank.prober.columns(with_values(decision.base.values, changes)))[
-            :, 0
-        ]
-        power = float(x @ x)
-        if power <= 0.0:
-            continue
-        amplitude = float(np.sqrt((threshold + np.log(decision.engine.count)) / power))
-        name = next(
-            (
-                n
-                for n in hypothesis.names
-                if effect.parameter(n).strength and changes[f"{effect.name}.{n}"] != effect.parameter(n).null
-            ),
-            "",
-        )
-        if name:
-            p = effect.parameter(name)
-            found[effect.name] = (
-                name,
-                p.null + amplitude * (changes[f"{effect.name}.{name}"] - p.null),
-                p.unit,
-            )
-    return found

@@ -6,12 +6,13 @@ import math
 
 from fsm_calib.diagnosis.bank import Ranked
 from fsm_calib.diagnosis.belief import confidence, joint_confidence
-from fsm_calib.diagnosis.decide import Decision, smallest_sizes
+from fsm_calib.diagnosis.decide import Decision
 from fsm_calib.diagnosis.doubt import with_doubt
 from fsm_calib.diagnosis.fit import ALL_RUNS, Fit
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, indistinguishable
 from fsm_calib.diagnosis.heldout import Comparison
 from fsm_calib.diagnosis.noise import NOISE_NAMES
+from fsm_calib.diagnosis.smallest import smallest_sizes
 from fsm_calib.diagnosis.verdict import ErrorTriple, Estimate, Located, NamedEffect, Rival, Verdict
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
