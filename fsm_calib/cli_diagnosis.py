@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -114,10 +115,8 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
         lines.append(f"  cannot be told apart: {', '.join(group)}; the numbers are of the first")
     located = plain["located"]
     if plain["verdict"] != "match":
-        where = f", around {located['where']}" if located["where"] else ""
-        lines.append(
-            f"  shows in: {', '.join(located['channels']) or '-'}; {located['regime'] or '-'}{where}"
-        )
+        channels, regime = ", ".join(located["channels"]) or "-", located["regime"] or "-"
+        lines.append(f"  shows in: {channels}; {regime}{_around(located['where'])}")
     if plain["family"]:
         lines.append(f"  resembles most: {plain['family']}")
     for name in ("holdout", "train"):
@@ -129,9 +128,24 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
             lines.append(f"  {plain['fit']['horizon_s']:g} s error on {name}: {'; '.join(said)}")
     for rival in plain["rivals"][:3]:
         lines.append(f"  rival {rival['name']}: {rival['evidence_gap']:.0f} behind")
+    lines += _would_show(plain["smallest_seen"])
     lines.append(f"  next: {plain['next_manoeuvre']}")
     parts = ", ".join(f"{name} {seconds:.1f}" for name, seconds in plain["seconds_by_part"].items())
     return [*lines, f"  {plain['seconds']:.1f} s ({parts})"]
+
+
+def _around(where: dict[str, float] | None) -> str:
+    if not where:
+        return ""
+    return f"; within {where['radius']:.2f} m of ({where['x']:.2f} m, {where['y']:.2f} m)"
+
+
+def _would_show(sizes: dict[str, Any]) -> list[str]:
+    said = [
+        f"{name} {e['value']:.2g}{'' if e['unit'] == '1' else ' ' + e['unit']}" for name, e in sizes.items()
+    ]
+    text = f"would have been seen from: {', '.join(said)}"
+    return textwrap.wrap(text, 110, initial_indent="  ", subsequent_indent="    ") if said else []
 
 
 def _millimetres(value: float | None) -> str:

@@ -58,6 +58,13 @@ def test_a_plain_robot_is_a_match():
     assert judged().outcome == "match"
 
 
+def test_a_match_says_what_would_have_been_seen():
+    verdict = diagnose([recording(seed) for seed in (0, 1)], without=OTHERS).verdict
+    text = "\n".join(summary_lines(verdict.as_json()))
+    size = verdict.smallest_seen["motor_deadband.offset"].value
+    assert f"motor_deadband.offset {size:.2g}" in text
+
+
 def test_the_true_effect_taken_out_is_not_replaced_by_a_neighbour():
     decision = judged(("command_delay", "floor_tilt"), motor_deadband__offset=0.05)
     assert decision.outcome == "unexplained"
