@@ -109,6 +109,11 @@ def test_forces_carry_the_doubt_of_the_mass():
     assert with_doubt(friction, "friction", 0.01, 1e-12) == pytest.approx(0.002, rel=1e-3)
 
 
+def test_a_slippery_spot_carries_the_doubt_of_a_slide_in_its_place():
+    assert with_doubt(registry()["low_friction_patch"], "x", 0.1, 1e-12) == pytest.approx(0.06, rel=1e-3)
+    assert with_doubt(registry()["misplaced_marker"], "x", 0.1, 1e-12) == pytest.approx(0.015, rel=1e-3)
+
+
 def test_a_number_that_the_data_cannot_tell_has_no_interval():
     assert np.isnan(with_doubt(registry()["command_delay"], "delay", 0.1, 0.0))
 

@@ -24,7 +24,7 @@ def model_spread(effect: Effect, name: str, value: float) -> float:
     parameter = effect.parameter(name)
     if not parameter.strength:
         if effect.scan == "place" and parameter.unit == "m":
-            return PLACE_DOUBT
+            return parameter.doubt or PLACE_DOUBT
         return MOMENT_DOUBT if effect.scan == "time" and parameter.unit == "s" else 0.0
     share = parameter.doubt or (FORCE_DOUBT if parameter.unit in FORCE_UNITS else EQUATION_DOUBT)
     return share * abs(value - parameter.null)

@@ -65,7 +65,8 @@ class Parameter:
         Whether nature ends at the high bound (a dead motor has lost all), so that a fit may rest there. At another
         bound the fit asks for more of the effect than there can be.
     doubt : float
-        Share of the size by which the equation itself may be off, where it is not what the unit lets expect.
+        By how much the equation itself may be off, where it is not what the unit lets expect: a share of a strength,
+        in `unit` of a place.
     least : float
         A smaller distance from the null value, in `unit`, is within what the base robot's own equations leave open,
         and no size to be named.

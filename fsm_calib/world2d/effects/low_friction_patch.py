@@ -16,6 +16,8 @@ from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.effects.places import contact_arm, contact_place, in_disc, spread_parameter
 from fsm_calib.world2d.slots import GRIP
 
+SLIDE_DOUBT = 0.06  # m: a slide is chaotic, and its likelihood flat in the spot's place (20 concealed spots)
+
 
 @njit(error_model="numpy")
 def slip(P, o, S, m, W):
@@ -43,10 +45,24 @@ EFFECT = Effect(
             starts=(0.8, 0.95),
             step=1e-3,
             natural_end=True,
+            doubt=0.07,  # a tyre's law of slipping stands for another's
         ),
-        Parameter("x", "x_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3),
         Parameter(
-            "y", "y_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=6e-3
+            "x", "x_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3, doubt=SLIDE_DOUBT
+        ),
+        Parameter(
+            "y",
+            "y_s",
+            "m",
+            0.0,
+            -100.0,
+            100.0,
+            0.1,
+            "any",
+            strength=False,
+            mirror="negate",
+            step=6e-3,
+            doubt=SLIDE_DOUBT,
         ),
         Parameter(
             "radius",
@@ -60,6 +76,7 @@ EFFECT = Effect(
             strength=False,
             step=6e-3,
             starts=(0.15, 0.25),
+            doubt=SLIDE_DOUBT,
         ),
         spread_parameter("w_s"),
     ),
