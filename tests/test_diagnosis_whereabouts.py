@@ -78,14 +78,15 @@ def test_a_fit_without_events_is_not_dated(slippery):
     assert dated(engine, ranked.fit, (ranked,)) is ranked.fit
 
 
-def test_a_patch_is_found_again_from_beside_it(slippery):
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_patch_is_found_again_from_beside_it(slippery, seed):
     engine, ranked = slippery
     beside = ranked.fit
     for run in range(len(engine.simulators)):
         beside = moved(engine, beside, run, low_friction_patch__x=0.22, low_friction_patch__y=0.0)
-    again = placed(engine, beside, (ranked,), np.random.default_rng(0))
+    again = placed(engine, beside, (ranked,), np.random.default_rng(seed))
     found = numbers_of(again, ranked)
-    assert np.hypot(found["x"][0] - PATCH["x"], found["y"][0] - PATCH["y"]) < 0.03
+    assert np.hypot(found["x"][0] - PATCH["x"], found["y"][0] - PATCH["y"]) < 0.05
 
 
 def test_the_search_for_a_place_is_never_worse_than_its_start(slippery):
