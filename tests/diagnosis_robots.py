@@ -2,8 +2,14 @@
 
 import numpy as np
 
+from fsm_calib.diagnosis.decide import Judge
+from fsm_calib.diagnosis.fit import Engine
+from fsm_calib.diagnosis.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.prepared import prepare
+from fsm_calib.diagnosis.simulator import make_simulator
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
 from fsm_calib.world2d.parameters import parameters
 from fsm_calib.world2d.rollout import Drive
@@ -47,3 +53,10 @@ def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, **changes):
         pose=PoseTrack(stamps, *poses.T),
         source=f"drive-{seed}",
     )
+
+
+def judged(names, gates=DEFAULT_GATES, **changes):
+    """Return what is decided of two drives of a `robot` with `changes` by a catalogue of `names`."""
+    simulators = tuple(make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1))
+    effects = [registry()[name] for name in names]
+    return Judge(Engine(simulators), effects, gates, lambda part: None, np.random.default_rng(0)).decide()

@@ -2,41 +2,28 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import drive, recording
+from diagnosis_robots import drive, judged
 
-from fsm_calib.diagnosis.decide import Judge
-from fsm_calib.diagnosis.fit import Engine
 from fsm_calib.diagnosis.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.simulator import make_simulator
 from fsm_calib.diagnosis.smallest import smallest_sizes
 from fsm_calib.world2d.effects import registry
-
-SEEDS = (0, 1)
-
-
-def judged(*names, **changes):
-    simulators = tuple(make_simulator(prepare(recording(seed, **changes))) for seed in SEEDS)
-    effects = [registry()[name] for name in names]
-    judge = Judge(Engine(simulators), effects, DEFAULT_GATES, lambda part: None, np.random.default_rng(0))
-    return judge.decide()
 
 
 @pytest.fixture(scope="module")
 def sizes():
-    return smallest_sizes(judged("motor_deadband"), DEFAULT_GATES.detect)
+    return smallest_sizes(judged(["motor_deadband"]), DEFAULT_GATES.detect)
 
 
 @pytest.mark.parametrize("name", ["motor_reverse_asymmetry", "motor_deadband", "tyre_scrub"])
 def test_twice_the_smallest_size_is_named_and_a_third_is_not(sizes, name):
     parameter, size, _ = sizes[name]
     full = f"{name}__{parameter}"
-    assert judged(name, **{full: 2.0 * size}).outcome == "explained"
-    assert judged(name, **{full: size / 3.0}).outcome == "match"
+    assert judged([name], **{full: 2.0 * size}).outcome == "explained"
+    assert judged([name], **{full: size / 3.0}).outcome == "match"
 
 
 def test_a_limit_that_would_be_seen_is_one_that_commands_reach(sizes):
-    largest = max(np.abs(drive(np.random.default_rng(seed)).left).max() for seed in SEEDS)
+    largest = max(np.abs(drive(np.random.default_rng(seed)).left).max() for seed in (0, 1))
     assert sizes["command_saturation"][1] < largest
 
 

@@ -4,28 +4,18 @@ import json
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import judged, recording
 
 from fsm_calib.cli_diagnosis import summary_lines
-from fsm_calib.diagnosis.decide import Judge
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.doubt import with_doubt
-from fsm_calib.diagnosis.fit import Engine
 from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, adequacy
 from fsm_calib.diagnosis.leaders import apart
-from fsm_calib.diagnosis.prepared import prepare
 from fsm_calib.diagnosis.scan_areas import Area, settled
-from fsm_calib.diagnosis.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
 
 SMALL = ("motor_deadband", "motor_gain_curve", "command_delay", "floor_tilt")
 OTHERS = tuple(name for name in registry() if name not in SMALL)
-
-
-def judged(names=SMALL, gates=DEFAULT_GATES, **changes):
-    simulators = tuple(make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1))
-    effects = [registry()[name] for name in names]
-    return Judge(Engine(simulators), effects, gates, lambda part: None, np.random.default_rng(0)).decide()
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +45,7 @@ def test_verdict_is_plain_json(deadband):
 
 
 def test_a_plain_robot_is_a_match():
-    assert judged().outcome == "match"
+    assert judged(SMALL).outcome == "match"
 
 
 def test_a_match_says_what_would_have_been_seen():
@@ -72,7 +62,7 @@ def test_the_true_effect_taken_out_is_not_replaced_by_a_neighbour():
 
 
 def test_no_fit_is_worse_than_its_parent():
-    decision = judged(motor_deadband__offset=0.04)
+    decision = judged(SMALL, motor_deadband__offset=0.04)
     assert all(ranked.gain >= -1e-6 for ranked in decision.ranking)
 
 

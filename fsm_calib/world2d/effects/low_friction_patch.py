@@ -13,7 +13,13 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.effects.places import contact_arm, contact_place, in_disc, spread_parameter
+from fsm_calib.world2d.effects.places import (
+    centre_parameters,
+    contact_arm,
+    contact_place,
+    in_disc,
+    spread_parameter,
+)
 from fsm_calib.world2d.slots import GRIP
 
 SLIDE_DOUBT = 0.06  # m: a slide is chaotic, and its likelihood flat in the spot's place (20 concealed spots)
@@ -47,23 +53,7 @@ EFFECT = Effect(
             natural_end=True,
             doubt=0.07,  # a tyre's law of slipping stands for another's
         ),
-        Parameter(
-            "x", "x_s", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3, doubt=SLIDE_DOUBT
-        ),
-        Parameter(
-            "y",
-            "y_s",
-            "m",
-            0.0,
-            -100.0,
-            100.0,
-            0.1,
-            "any",
-            strength=False,
-            mirror="negate",
-            step=6e-3,
-            doubt=SLIDE_DOUBT,
-        ),
+        *centre_parameters("s", SLIDE_DOUBT),
         Parameter(
             "radius",
             "r_s",

@@ -14,6 +14,7 @@ import numpy as np
 
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.places import centre_parameters
 from fsm_calib.world2d.slots import EDGE
 
 
@@ -41,10 +42,7 @@ EFFECT = Effect(
         Parameter("turn", "psi_m", "rad", 0.0, -1.6, 1.6, 0.1, "1 to 10 degrees", mirror="negate"),
         Parameter("shift_x", "s_x", "m", 0.0, -0.3, 0.3, 0.01, "2 to 20 mm"),
         Parameter("shift_y", "s_y", "m", 0.0, -0.3, 0.3, 0.0, "2 to 20 mm", mirror="negate"),
-        Parameter("x", "x_m", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3),
-        Parameter(
-            "y", "y_m", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, mirror="negate", step=6e-3
-        ),
+        *centre_parameters("m"),
         Parameter(
             "radius",
             "r_m",

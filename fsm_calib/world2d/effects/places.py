@@ -7,6 +7,7 @@ they are.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from numba import njit
 
@@ -40,6 +41,14 @@ def in_area(x, y, centre_x, centre_y, half_x, half_y, roundness):
     reach = math.hypot((x - centre_x) / half_x, (y - centre_y) / half_y)
     depth = roundness * (1.0 - reach) * min(half_x, half_y) + (1.0 - roundness) * min(depth_x, depth_y)
     return rise(depth)
+
+
+def centre_parameters(index: str, doubt: float = 0.0) -> tuple[Parameter, Parameter]:
+    """Return the centre (x, y) of a place on the floor, symbols with `index`; doubt : beyond what places have [m]."""
+    x = Parameter(
+        "x", f"x_{index}", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3, doubt=doubt
+    )
+    return x, replace(x, name="y", symbol=f"y_{index}", mirror="negate")
 
 
 def spread_parameter(symbol: str) -> Parameter:

@@ -13,7 +13,13 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.effects.places import contact_arm, contact_place, in_area, spread_parameter
+from fsm_calib.world2d.effects.places import (
+    centre_parameters,
+    contact_arm,
+    contact_place,
+    in_area,
+    spread_parameter,
+)
 from fsm_calib.world2d.forces import add_dry_friction
 from fsm_calib.world2d.slots import MASS, OMEGA, V
 
@@ -38,23 +44,7 @@ EFFECT = Effect(
     equation="F_i = -drag sgn(v_i) inside a box or an ellipse",
     parameters=(
         Parameter("drag", "F_p", "N", 0.0, 0.0, 6.0, 0.8, "5 to 30 % of the wheel load", starts=(0.5, 1.5)),
-        Parameter(
-            "x", "x_p", "m", 0.0, -100.0, 100.0, 0.1, "any", strength=False, step=6e-3, doubt=SPOT_DOUBT
-        ),
-        Parameter(
-            "y",
-            "y_p",
-            "m",
-            0.0,
-            -100.0,
-            100.0,
-            0.1,
-            "any",
-            strength=False,
-            mirror="negate",
-            step=6e-3,
-            doubt=SPOT_DOUBT,
-        ),
+        *centre_parameters("p", SPOT_DOUBT),
         Parameter(
             "half_x",
             "a_p",
