@@ -14,7 +14,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from fsm_calib.cli_extrinsics import extrinsics_text
+from fsm_calib.commands.extrinsics import extrinsics_text
 from fsm_calib.perception.camera_files import read_intrinsics, read_projection
 from fsm_calib.perception.extrinsics import FLOOR_BOARD_OFFSET, calibrate_extrinsics
 from fsm_calib.perception.ground import tag_poses

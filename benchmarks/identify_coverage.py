@@ -12,7 +12,7 @@ import argparse
 
 import numpy as np
 
-from fsm_calib.diagnosis.identify import identify
+from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.recording import CommandTrack, DisplacementTrack, PoseTrack, Recording, RobotFacts, WheelPair
 
 STEP = 0.002  # s

@@ -15,7 +15,7 @@ import traceback
 from collections import Counter
 from pathlib import Path
 
-from fsm_calib.diagnosis.identify import identify
+from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.errors import DataError, FsmCalibError
 from fsm_calib.recording import read_recording
 

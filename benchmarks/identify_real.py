@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fsm_calib.diagnosis.identify import identify
+from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.recording import Recording, read_recording
 
 ROOT = Path(os.environ.get("FSM_CALIB_SHARED", "../shared")) / "recordings"

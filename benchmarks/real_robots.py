@@ -23,12 +23,12 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from fsm_calib.diagnosis.crossval import on_new_recording
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
-from fsm_calib.diagnosis.fit import Engine
+from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.intake import take_in
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.simulator import Simulator, make_simulator, nominal_values
+from fsm_calib.diagnosis.proof.crossval import on_new_recording
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import Simulator, make_simulator, nominal_values
 from fsm_calib.recording import read_recording
 from fsm_calib.recording.recording import Recording
 from fsm_calib.types import FloatArray

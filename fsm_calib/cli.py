@@ -18,14 +18,14 @@ from typer.core import TyperGroup
 from fsm_calib.errors import FsmCalibError
 
 COMMAND_MODULES: tuple[str, ...] = (
-    "cli_run",
-    "cli_recording",
-    "cli_camera",
-    "cli_extrinsics",
-    "cli_diagnosis",
-    "cli_study",
+    "run",
+    "recording",
+    "camera",
+    "extrinsics",
+    "diagnosis",
+    "study",
 )
-"""Modules of this package with `register(app)`; each adds its commands to the command line."""
+"""Modules of `fsm_calib.commands` with `register(app)`; each adds its commands to the command line."""
 
 LINEAR_ALGEBRA_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 """Variables that every command sets to one thread unless the user has; numpy reads them when it is first imported.
@@ -135,7 +135,7 @@ def diagrams(
 for _variable in LINEAR_ALGEBRA_THREADS:
     os.environ.setdefault(_variable, "1")
 for _module in COMMAND_MODULES:
-    importlib.import_module(f"fsm_calib.{_module}").register(app)
+    importlib.import_module(f"fsm_calib.commands.{_module}").register(app)
 
 
 def main() -> None:

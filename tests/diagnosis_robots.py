@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from fsm_calib.diagnosis.decide import Judge
-from fsm_calib.diagnosis.fit import Engine
-from fsm_calib.diagnosis.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict.decide import Judge
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording, RobotFacts
 from fsm_calib.world2d.effects import registry

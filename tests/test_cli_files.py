@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fsm_calib.cli_files import STANDARD_OUTPUT, check_places, tell_result, write_file
+from fsm_calib.commands.files import STANDARD_OUTPUT, check_places, tell_result, write_file
 from fsm_calib.errors import InputError
 
 

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
-from fsm_calib.diagnosis.bank import Bank, Ranked, polished
-from fsm_calib.diagnosis.base import fit_base, noise_names
-from fsm_calib.diagnosis.belief import GENERAL_DOUBT, confidence, joint_confidence, sureness
-from fsm_calib.diagnosis.contest import Contest
-from fsm_calib.diagnosis.crossval import held_out_gains
-from fsm_calib.diagnosis.fit import Engine
-from fsm_calib.diagnosis.gates import DEFAULT_GATES, Adequacy
-from fsm_calib.diagnosis.hypotheses import Hypothesis
-from fsm_calib.diagnosis.model import Model
-from fsm_calib.diagnosis.pairs import survivor
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
+from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.proof.crossval import held_out_gains
+from fsm_calib.diagnosis.proof.form_test import Contest
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Adequacy
+from fsm_calib.diagnosis.proof.necessity import survivor
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict.model import Model
+from fsm_calib.diagnosis.verdict.posterior import GENERAL_DOUBT, confidence, joint_confidence, sureness
 from fsm_calib.world2d.effects import registry
 
 

@@ -6,18 +6,19 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
-from fsm_calib.diagnosis.bank import Bank, Ranked, polished
-from fsm_calib.diagnosis.base import fit_base, noise_names, slot_of
-from fsm_calib.diagnosis.contest import Contest, Linear, contest
-from fsm_calib.diagnosis.fit import Engine, jacobian
-from fsm_calib.diagnosis.form_frame import lagged
-from fsm_calib.diagnosis.forms import RECIPES, forms
-from fsm_calib.diagnosis.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.hypotheses import Hypothesis, switched_off
-from fsm_calib.diagnosis.plausible import has_size, is_crossed, is_plausible, is_seen, lasts, stays_in
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.response import driven
-from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
+from fsm_calib.diagnosis.fitting.base import fit_base, noise_names, slot_of
+from fsm_calib.diagnosis.fitting.fit import Engine, jacobian
+from fsm_calib.diagnosis.fitting.values import switched_off
+from fsm_calib.diagnosis.proof.form_test import Contest, Linear, contest
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.proof.plausible import has_size, is_crossed, is_plausible, is_seen, lasts, stays_in
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.shapes.form_frame import lagged
+from fsm_calib.diagnosis.shapes.forms import RECIPES, forms
+from fsm_calib.diagnosis.shapes.wheel_response import driven
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from diagnosis_robots import START, recording, robot
 
-from fsm_calib.diagnosis.decide import decide
-from fsm_calib.diagnosis.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.in_poses import shown_in_poses, without_encoders
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.proof.in_poses import shown_in_poses, without_encoders
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict.decide import decide
 from fsm_calib.recording.channels import WheelPair
 from fsm_calib.world2d.observation import predict
 from fsm_calib.world2d.rollout import Drive

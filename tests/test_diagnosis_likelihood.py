@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from diagnosis_robots import HEADING_NOISE, POSITION_NOISE, recording
 
-from fsm_calib.diagnosis.base import fit_base
-from fsm_calib.diagnosis.fit import Engine, jacobian, with_slots
-from fsm_calib.diagnosis.likelihood import Whitener, log_density, robust_weights
-from fsm_calib.diagnosis.noise import Noise
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.simulator import make_simulator, nominal_values
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine, jacobian, with_slots
+from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.diagnosis.likelihood.robust import Whitener, log_density, robust_weights
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator, nominal_values
 from fsm_calib.errors import DataError
 
 

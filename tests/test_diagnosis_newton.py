@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
-from fsm_calib.diagnosis.bank import Bank
-from fsm_calib.diagnosis.base import base_slots
-from fsm_calib.diagnosis.fit import Engine, Slot, simulate_all
-from fsm_calib.diagnosis.newton import clipped, damped_step, normal_equations, promised
-from fsm_calib.diagnosis.noise import Noise
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.simulator import make_simulator, nominal_values
+from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.fitting.base import base_slots
+from fsm_calib.diagnosis.fitting.fit import Engine, simulate_all
+from fsm_calib.diagnosis.fitting.newton import clipped, damped_step, normal_equations, promised
+from fsm_calib.diagnosis.fitting.slot import Slot
+from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator, nominal_values
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table, parameters
 from fsm_calib.world2d.rollout import active_flags, simulate_many

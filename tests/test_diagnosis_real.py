@@ -11,10 +11,9 @@ from typer.testing import CliRunner, Result
 
 import fsm_calib
 from fsm_calib.cli import app
-from fsm_calib.diagnosis.base import AXLE_SPREAD, FARTHEST, near, slot_of
+from fsm_calib.diagnosis.candidates.hypotheses import shown_by
 from fsm_calib.diagnosis.diagnose import diagnose
-from fsm_calib.diagnosis.hypotheses import shown_by
-from fsm_calib.diagnosis.identify_motion import dead_reckon, sensor_motion
+from fsm_calib.diagnosis.fitting.base import AXLE_SPREAD, FARTHEST, near, slot_of
 from fsm_calib.diagnosis.intake import (
     base_steps,
     chain,
@@ -25,8 +24,9 @@ from fsm_calib.diagnosis.intake import (
     take_in,
     thinned,
 )
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.diagnosis.replay.kinematics import dead_reckon, sensor_motion
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.errors import DataError
 from fsm_calib.recording import read_recording
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, TwistTrack, WheelPair, YawRateTrack

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
-from fsm_calib.diagnosis.adequacy import winnings
-from fsm_calib.diagnosis.bank import Bank
-from fsm_calib.diagnosis.base import fit_base
-from fsm_calib.diagnosis.fit import Engine
-from fsm_calib.diagnosis.hypotheses import Hypothesis, declared_starts, with_values
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.scan import SCANS
-from fsm_calib.diagnosis.scan_markers import jump_evidence, jumps_of, likely_discs
-from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts
+from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.scan import SCANS
+from fsm_calib.diagnosis.candidates.scan_markers import jump_evidence, jumps_of, likely_discs
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.shapes.score_tests import winnings
 from fsm_calib.world2d.effects import registry
 
 MARKER = {"turn": 0.12, "x": 0.15, "y": 0.0, "radius": 0.2}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from diagnosis_robots import drive, judged
 
-from fsm_calib.diagnosis.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.smallest import smallest_sizes
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
 from fsm_calib.world2d.effects import registry
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
-from fsm_calib.diagnosis.unwinding import unwound
+from fsm_calib.diagnosis.replay.heading_unwrap import unwound
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, TwistTrack
 
 RATE = 4.0  # rad/s

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from diagnosis_robots import judged, recording
 
-from fsm_calib.cli_diagnosis import summary_lines
+from fsm_calib.commands.diagnosis import summary_lines
+from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.candidates.scan_areas import Area, settled
 from fsm_calib.diagnosis.diagnose import diagnose
-from fsm_calib.diagnosis.doubt import with_doubt
-from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates, adequacy
-from fsm_calib.diagnosis.leaders import apart
-from fsm_calib.diagnosis.scan_areas import Area, settled
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, adequacy
+from fsm_calib.diagnosis.verdict.systematic_error import with_doubt
 from fsm_calib.world2d.effects import registry
 
 SMALL = ("motor_deadband", "motor_gain_curve", "command_delay", "floor_tilt")

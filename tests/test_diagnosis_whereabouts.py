@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
-from fsm_calib.diagnosis.bank import Bank, polished
-from fsm_calib.diagnosis.base import fit_base, noise_names
-from fsm_calib.diagnosis.fit import Engine, simulate_all
-from fsm_calib.diagnosis.moments import dated
-from fsm_calib.diagnosis.placing import placed
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.simulator import make_simulator
+from fsm_calib.diagnosis.candidates.place_search import placed
+from fsm_calib.diagnosis.candidates.ranking import Bank, polished
+from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
+from fsm_calib.diagnosis.fitting.fit import Engine, simulate_all
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 

@@ -8,7 +8,7 @@ from recording_samples import shared
 from typer.testing import CliRunner
 
 from fsm_calib.cli import app
-from fsm_calib.diagnosis.identify import identify
+from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.recording import read_recording
 
 NAMES = ("wheel_radius_left", "wheel_radius_right", "axle_length", "sensor.x", "sensor.y", "sensor.theta")

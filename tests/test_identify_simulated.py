@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from recording_samples import ROOT
 
-from fsm_calib.diagnosis.identify import identify
-from fsm_calib.diagnosis.identify_filter import settling_noise, sway
-from fsm_calib.diagnosis.identify_inputs import Wheels
-from fsm_calib.diagnosis.identify_likelihood import Problem, maximise
-from fsm_calib.diagnosis.identify_motion import arc, body_motion, dead_reckon, sensor_motion
-from fsm_calib.diagnosis.identify_result import Estimate, Identification, combined
-from fsm_calib.diagnosis.identify_robust import jacobian_of, robust_fit
+from fsm_calib.diagnosis.identify.filter import settling_noise, sway
+from fsm_calib.diagnosis.identify.identify import identify
+from fsm_calib.diagnosis.identify.result import Estimate, Identification, combined
+from fsm_calib.diagnosis.identify.robust_rows import jacobian_of, robust_fit
+from fsm_calib.diagnosis.identify.scoring import Problem, maximise
+from fsm_calib.diagnosis.replay.kinematics import arc, body_motion, dead_reckon, sensor_motion
+from fsm_calib.diagnosis.replay.wheels import Wheels
 from fsm_calib.errors import DataError
 from fsm_calib.recording import PoseTrack, Recording, RobotFacts, WheelPair
 from fsm_calib.recording.channels import YawRateTrack

@@ -14,7 +14,7 @@ from fsm_calib.actions import ActionSettings, Bench, Notebook, with_published
 from fsm_calib.actions.judging import ADDS_TOO_LITTLE, judge_views, offer_view
 from fsm_calib.actions.settings import CameraSettings
 from fsm_calib.actions.solving import solve_camera
-from fsm_calib.cli_run import summary
+from fsm_calib.commands.run import summary
 from fsm_calib.perception.information import (
     ScanProgress,
     StopRule,

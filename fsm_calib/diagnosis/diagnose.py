@@ -6,15 +6,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
-from fsm_calib.diagnosis.decide import Decision, decide
-from fsm_calib.diagnosis.explain import verdict_of
-from fsm_calib.diagnosis.gates import DEFAULT_GATES, Gates
-from fsm_calib.diagnosis.heldout import Comparison, compare
 from fsm_calib.diagnosis.intake import take_in
-from fsm_calib.diagnosis.prepared import prepare
-from fsm_calib.diagnosis.settings import DEFAULT_SETTINGS, Settings
-from fsm_calib.diagnosis.simulator import Simulator, make_simulator
-from fsm_calib.diagnosis.verdict import Verdict
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
+from fsm_calib.diagnosis.proof.heldout import Comparison, compare
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
+from fsm_calib.diagnosis.replay.simulator import Simulator, make_simulator
+from fsm_calib.diagnosis.verdict.decide import Decision, decide
+from fsm_calib.diagnosis.verdict.explain import verdict_of
+from fsm_calib.diagnosis.verdict.verdict import Verdict
 from fsm_calib.recording.recording import Recording
 
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.identify import identify
-from fsm_calib.diagnosis.identify_inputs import wheels_of
-from fsm_calib.diagnosis.identify_motion import body_motion, sensor_motion
-from fsm_calib.diagnosis.identify_result import Identification
-from fsm_calib.diagnosis.prepared import NOMINAL_AXLE
+from fsm_calib.diagnosis.identify.identify import identify
+from fsm_calib.diagnosis.identify.result import Identification
+from fsm_calib.diagnosis.replay.kinematics import body_motion, sensor_motion
+from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE
+from fsm_calib.diagnosis.replay.wheels import wheels_of
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Recording

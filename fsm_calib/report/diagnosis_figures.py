@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from fsm_calib.diagnosis.bank import Ranked
-from fsm_calib.diagnosis.windows import Windows
+from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.proof.windows import Windows
 from fsm_calib.report.diagnosis_paths import Drive
 from fsm_calib.report.palette import BOARD_COLOURS, PHASE_COLOURS
 from fsm_calib.report.run_style import Margins, figure, svg

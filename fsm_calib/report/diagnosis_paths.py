@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsm_calib.diagnosis.crossval import on_new_recording
 from fsm_calib.diagnosis.diagnose import Diagnosis
-from fsm_calib.diagnosis.fit import Engine
-from fsm_calib.diagnosis.prepared import Prepared
-from fsm_calib.diagnosis.windows import Windows
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.proof.crossval import on_new_recording
+from fsm_calib.diagnosis.proof.windows import Windows
+from fsm_calib.diagnosis.replay.prepared import Prepared
 from fsm_calib.types import FloatArray
 
 SEGMENT = (

@@ -12,7 +12,7 @@ import numpy as np
 from markupsafe import Markup
 
 from fsm_calib.diagnosis.diagnose import Diagnosis
-from fsm_calib.diagnosis.verdict import ErrorTriple
+from fsm_calib.diagnosis.verdict.verdict import ErrorTriple
 from fsm_calib.errors import InputError
 from fsm_calib.report import diagnosis_figures
 from fsm_calib.report.diagnosis_paths import drives

@@ -7,7 +7,7 @@ import re
 import yaml
 
 from fsm_calib.diagnosis.diagnose import Diagnosis
-from fsm_calib.diagnosis.fit import Fit
+from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 

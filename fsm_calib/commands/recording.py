@@ -1,0 +1,66 @@
+"""`fsm-calib identify`: fit the base robot alone to recordings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fsm_calib.commands.files import check_places, print_findings, tell_result
+
+
+def register(app: typer.Typer) -> None:
+    """Add `identify` to the command line."""
+    app.command("identify")(identify_command)
+
+
+def identify_command(
+    recordings: Annotated[
+        list[str], typer.Argument(metavar="RECORDING...", help="Manifests, bags or .mcap files.")
+    ],
+    json_file: Annotated[
+        Path | None,
+        typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
+    ] = None,
+    world: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Fit under the physics that this scenario's robot has (world.yaml)."
+        ),
+    ] = None,
+    tag_map: Annotated[
+        str | None, typer.Option("--tag-map", metavar="FILE", help="Places of tags, for bags without poses.")
+    ] = None,
+) -> None:
+    """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
+    from fsm_calib.diagnosis.identify.identify import identify
+    from fsm_calib.recording import read_recording
+
+    check_places(json_file)
+    loaded = [read_recording(path, tag_map) for path in recordings]
+    print_findings(loaded)
+    if world is None:
+        result = identify(loaded)
+    else:
+        from fsm_calib.diagnosis.identify_in_world import identify_in_world
+        from fsm_calib.scenario.world import physics_of
+
+        result = identify_in_world(loaded, physics_of(world))
+    plain = result.to_json()
+    tell_result(plain, "\n".join(_lines(plain)), json_file)
+
+
+def _lines(plain: dict) -> list[str]:  # type: ignore[type-arg]
+    """Return the result as lines of text."""
+    lines = [f"{plain['robot']}: from {plain['method']}"]
+    rows = {name: value for name, value in plain.items() if isinstance(value, dict) and "value" in value}
+    rows |= {f"sensor.{name}": value for name, value in plain["sensor"].items()}
+    for name, estimate in rows.items():
+        if estimate["value"] is None:
+            lines.append(f"  {name:28s} not told: {estimate['reason']}")
+        else:
+            sd = "" if estimate["sd"] is None else f" +- {estimate['sd']:.2g}"
+            lines.append(f"  {name:28s} {estimate['value']:.6g}{sd} {estimate['unit']}")
+    lines += [f"  residual {name:19s} {value:.6g}" for name, value in plain["residual"].items()]
+    return lines + [f"  note: {note}" for note in plain["notes"]]

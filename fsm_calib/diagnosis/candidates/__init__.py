@@ -1,0 +1,1 @@
+"""The hypotheses of the catalogue, where each could start, and their ranking."""

@@ -1,0 +1,237 @@
+"""The bank: every hypothesis of the catalogue fitted on the same recordings, ranked by evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.hypotheses import (
+    Hypothesis,
+    Prober,
+    Start,
+    declared_starts,
+    hypotheses_of,
+    slots_of,
+)
+from fsm_calib.diagnosis.candidates.scan import SCANS, Candidate, Scanner
+from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit, jacobian
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
+from fsm_calib.diagnosis.fitting.values import switched_off
+from fsm_calib.diagnosis.replay.situation import situations_of
+from fsm_calib.diagnosis.shapes.score_tests import residual_of
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import parameter_table
+
+FIRST_STEPS, LAST_STEPS = 6, 6  # Gauss-Newton steps before and after the noise is fitted again
+HOPELESS = 2.0  # log-likelihood units: below, the noise is not fitted again and a fit is given up early
+FAR_BELOW = 0.3  # of the evidence that counts: a fit at its parent's noise that has less is not finished
+NEAR_ENOUGH = 40.0  # evidence below the best within which every fit is finished: rivals are told by their gap
+FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are computed again
+WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
+POLISH_ROUNDS = 4  # fits and noise in turn
+POLISHED_ENOUGH = 3.0  # log-likelihood units that another round must have won to be followed by one more
+FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted; a name needs more
+NESTING_SLACK = 1e-6
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Ranked:
+    """One fitted hypothesis: evidence = 2 (log L - log L of its parent) - k ln N (Schwarz, Ann. Stat. 6 (1978) 461)."""
+
+    hypothesis: Hypothesis
+    fit: Fit
+    evidence: float
+    gain: float
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.hypothesis.effect
+
+
+def evidence_of(fit: Fit, parent: Fit, count: int) -> float:
+    """Return twice the gained log-likelihood minus the cost of the additional numbers."""
+    extra = len(fit.slots) - len(parent.slots)
+    return 2.0 * (fit.score - parent.score) - extra * float(np.log(count))
+
+
+@dataclass(frozen=True, eq=False)
+class Bank:
+    """Fits hypotheses on top of a parent fit (the base robot, or a model that already has an effect)."""
+
+    engine: Engine
+    parent: Fit
+    prober: Prober
+    scanner: Scanner
+
+    @classmethod
+    def on(cls, engine: Engine, parent: Fit, wanted: float = 0.0) -> Bank:
+        """Prepare probing and scanning; what stays far below the evidence `wanted` is not fitted to the end."""
+        residual, worth = residual_of(engine, parent), 0.5 * FAR_BELOW * wanted
+        situations = situations_of(engine.simulators, parent.values)
+        return cls(
+            engine,
+            parent,
+            Prober(engine.simulators, parent, residual),
+            Scanner(engine.simulators, situations, parent, residual, worth),
+        )
+
+    @property
+    def _worth(self) -> float:
+        """The log-likelihood that a fit must win before it is worth more time."""
+        return max(HOPELESS, self.scanner.worth)
+
+    def rank(self, effects: Iterable[Effect], progress: Progress = lambda name: None) -> list[Ranked]:
+        """Fit all effects in all their forms; return the best form of each, largest evidence first."""
+        tried: list[Ranked] = []
+        self.seconds.clear()
+        for effect in effects:
+            progress(effect.name)
+            began = perf_counter()
+            begun = [self._begun(form, start) for form, starts in self.plans(effect) for start in starts]
+            begun.sort(key=lambda ranked: -ranked.evidence)
+            tried += begun[:1] + [ranked for ranked in begun[1:] if ranked.gain > self._worth]
+            self.seconds[effect.name] = perf_counter() - began
+        best: dict[str, Ranked] = {}
+        near = self._near(tried)
+        for ranked in tried:
+            began = perf_counter()
+            done = self._finished(ranked) if ranked.name in near else ranked
+            if done.name not in best or done.evidence > best[done.name].evidence:
+                best[done.name] = done
+            self.seconds[done.name] += perf_counter() - began
+        return sorted(best.values(), key=lambda r: -r.evidence)
+
+    @staticmethod
+    def _near(tried: Sequence[Ranked]) -> set[str]:
+        """Return the effects of which a form comes near enough to the best to be worth finishing."""
+        top = max((ranked.evidence for ranked in tried), default=0.0)
+        least = min(FAR_BELOW * top, top - NEAR_ENOUGH)
+        return {ranked.name for ranked in tried if ranked.evidence >= least}
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Seconds spent on each effect in the last `rank`."""
+        return self.__dict__.setdefault("_seconds", {})
+
+    def plans(self, effect: Effect) -> list[tuple[Hypothesis, list[Start]]]:
+        """Return the forms of an effect with their starts."""
+        runs = len(self.engine.simulators)
+        if effect.name in parameter_table().active_effects(self.parent.values[0]):
+            start = Start(self.parent.values, 0.0)  # the parent has it: would other numbers be better?
+            return [(hypothesis, [start]) for hypothesis in hypotheses_of(effect, runs)]
+        if effect.name in SCANS:
+            return self._scanned(effect, SCANS[effect.name](self.scanner))
+        plans = []
+        for hypothesis in hypotheses_of(effect, runs):
+            starts = self.prober.best_starts(hypothesis, declared_starts(hypothesis), 1)
+            if not any(effect.parameter(n).starts for n in hypothesis.names):
+                starts = [Start(self.parent.values, 0.0)]  # linear at its null value
+            plans.append((hypothesis, starts))
+        return plans
+
+    def _scanned(
+        self, effect: Effect, candidates: Sequence[Candidate]
+    ) -> list[tuple[Hypothesis, list[Start]]]:
+        """Turn candidates of a scan into starts, with strengths tried by simulation."""
+        plans = []
+        best = max((c.promise for c in candidates), default=0.0)
+        wanted = max(WORTH_FITTING * best, min(best, FAINT))
+        for candidate in candidates:
+            if candidate.promise < wanted or self.scanner.hopeless(candidate.promise):
+                continue
+            for names in effect.variants or (tuple(p.name for p in effect.parameters if p.fitted),):
+                given = {n.split(".")[1] for n in candidate.changes}
+                strengths = {p.name for p in effect.parameters if p.strength}
+                if (given & strengths) - set(names):
+                    continue
+                if given & strengths and len(set(names) & strengths) > len(given & strengths):
+                    continue  # the larger form is tried only where the scan asked for it
+                hypothesis = Hypothesis(effect.name, names, candidate.run, candidate.elsewhere)
+                choices = declared_starts(hypothesis, candidate.changes)
+                choices = [{**choice, **candidate.changes} for choice in choices]
+                plans.append((hypothesis, self.prober.best_starts(hypothesis, choices, 1)))
+        return plans
+
+    def fit(self, hypothesis: Hypothesis, start: Start) -> Ranked:
+        """Fit one hypothesis from one start; the result is never worse than the parent."""
+        return self._finished(self._begun(hypothesis, start))
+
+    def _begun(self, hypothesis: Hypothesis, start: Start) -> Ranked:
+        """Fit one hypothesis at the parent's noise."""
+        taken = {(slot.place, slot.run) for slot in self.parent.slots}
+        new = [s for s in slots_of(hypothesis, len(self.engine.simulators)) if (s.place, s.run) not in taken]
+        slots = (*self.parent.slots, *new)
+        known, noise, hope = self.parent.columns, self.parent.noise, self.parent.score + self._worth
+        linear = start.values is self.parent.values
+        fit = self.engine.fit(
+            start.values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope, linear=linear
+        )
+        if fit.score < self.parent.score:  # too bold a start: creep away from the parent's point instead
+            values = switched_off(start.values, (hypothesis.effect,))
+            fit = self.engine.fit(
+                values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope, linear=True
+            )
+        return self._ranked(hypothesis, fit)
+
+    def _finished(self, ranked: Ranked) -> Ranked:
+        """Fit the noise again, and the hypothesis at that noise; what has won nothing stays as it is."""
+        if ranked.gain <= self._worth:
+            return ranked
+        fit = self.engine.refit_noise(ranked.fit, SPEED_NOISE, 2)
+        known = self.parent.columns
+        if fit.score > self.parent.score + FAR:
+            known = jacobian(self.engine.simulators, fit.values, self.parent.slots, fit.simulated)
+        fit = self.engine.fit(fit.values, fit.slots, fit.noise, known=known, steps=LAST_STEPS)
+        return self._ranked(ranked.hypothesis, fit)
+
+    def _ranked(self, hypothesis: Hypothesis, fit: Fit) -> Ranked:
+        """Return the fit with its evidence, at the parent's point where it came out worse."""
+        if fit.score < self.parent.score - NESTING_SLACK:
+            fit = self._at_parent(fit)
+        gain = fit.score - self.parent.score
+        return Ranked(hypothesis, fit, evidence_of(fit, self.parent, self.engine.count), gain)
+
+    def _at_parent(self, fit: Fit) -> Fit:
+        """Return the parent's point as a point of the larger model: the effect found nothing to explain."""
+        parent = self.parent
+        extra = len(fit.slots) - len(parent.slots)
+        columns = tuple(np.concatenate([c, np.zeros((*c.shape[:2], extra))], axis=2) for c in parent.columns)
+        covariance = np.zeros((len(fit.slots), len(fit.slots)))
+        covariance[: len(parent.slots), : len(parent.slots)] = parent.covariance
+        return Fit(
+            parent.values, fit.slots, parent.noise, parent.log_likelihood, parent.log_prior, covariance,
+            parent.simulated, columns,
+        )  # fmt: skip
+
+
+def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[int]) -> Ranked:
+    """Fit once more with every Jacobian column fresh and all noise levels free: for the few that matter."""
+    fit = ranked.fit
+    for _ in range(POLISH_ROUNDS):  # one suffices unless the effect carried the base robot far
+        before = fit.score
+        fit = engine.fit(fit.values, fit.slots, fit.noise, steps=6)
+        fit = engine.refit_noise(fit, noise_names, 4)
+        if fit.score < before + POLISHED_ENOUGH:
+            break
+    fit = engine.fit(fit.values, fit.slots, fit.noise, steps=6, refresh=True)
+    if fit.score < ranked.fit.score:
+        fit = engine.fit(ranked.fit.values, ranked.fit.slots, ranked.fit.noise, steps=0)
+    return Ranked(ranked.hypothesis, fit, evidence_of(fit, parent, engine.count), fit.score - parent.score)
+
+
+def parameters_of(ranked: Ranked) -> dict[str, FloatArray]:
+    """Return the fitted numbers of the effect by parameter name, one a recording, shape (R,)."""
+    table = parameter_table()
+    effect = registry()[ranked.name]
+    return {p.name: ranked.fit.values[:, table.place(f"{ranked.name}.{p.name}")] for p in effect.parameters}
+
+
+__all__ = ["ALL_RUNS", "Bank", "Ranked", "evidence_of", "parameters_of", "polished"]

@@ -1,0 +1,173 @@
+"""Where on the floor, or when, could it be? Scans that give place and event effects their starts.
+
+Where the effect on the increments is nearly linear (drag inside an area, a weak motor during a span: `scan_spans.py`)
+it is written down to first order, all candidates pass the whitening filter as columns, and what each could win is one
+small projection. Slides, turned markers and kicks are not: they have scans of their own (`scan_slides.py`,
+`scan_markers.py`, `scan_pushes.py`). The winners, kept apart from each other, become starts of full fits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.candidates.scan_areas import Area, boxes, drag_columns, settled, strips
+from fsm_calib.diagnosis.candidates.scan_markers import Jumps, jumps_of, likely_discs
+from fsm_calib.diagnosis.candidates.scan_pushes import APART, STEP, kicks, push_of
+from fsm_calib.diagnosis.candidates.scan_slides import slides
+from fsm_calib.diagnosis.candidates.scan_spans import likely_span
+from fsm_calib.diagnosis.candidates.scan_tried import tried_out
+from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.replay.simulator import Simulator
+from fsm_calib.diagnosis.replay.situation import Situation
+from fsm_calib.diagnosis.shapes.features import place_centres
+from fsm_calib.diagnosis.shapes.score_tests import Residual
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.parameters import parameter_table
+
+PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
+KEEP = 3
+MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
+GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
+CHUNK = 96
+RIDGE, NO_POWER = 1e-9, 1e-12  # a candidate that the base robot can take over wholly has no power of its own
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """Start values by full parameter name, for one recording or all (-1), and the promised log-likelihood.
+
+    elsewhere : what the best other moment promises, from which this one has to stand out.
+    """
+
+    changes: Mapping[str, float]
+    promise: float
+    run: int = -1
+    elsewhere: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Scanner:
+    """Scans against one parent fit; worth : log-likelihood below which nobody will ask for a candidate."""
+
+    simulators: tuple[Simulator, ...]
+    situations: list[Situation]
+    parent: Fit
+    residual: Residual
+    worth: float = 0.0
+
+    def hopeless(self, promise: float) -> bool:
+        """Return whether a candidate promises too little even if it still grows."""
+        return GROWTH * promise < self.worth
+
+    def scores(self, blocks: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Return promise (c,) and amplitude (c,) of candidates with a column each."""
+        total = blocks[0].shape[2]
+        parts = [slice(i, min(total, i + CHUNK)) for i in range(0, total, CHUNK)]
+        found = [self._scores([b[:, :, part] for b in blocks]) for part in parts]
+        return np.concatenate([p for p, _ in found]), np.concatenate([a for _, a in found])
+
+    def _scores(self, blocks: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Return `scores` of a chunk; projected products come from the products of what is projected out."""
+        r = self.residual
+        white = r.engine.white_columns(r.whiteners, blocks)
+        inside = r.basis.T @ white
+        score = white.T @ r.psi - inside.T @ (r.basis.T @ r.psi)
+        power = np.sum(white * white, axis=0) - np.sum(inside * inside, axis=0)
+        amplitude = score / ((1.0 + RIDGE) * np.maximum(power, NO_POWER))
+        return 0.5 * score * amplitude, amplitude
+
+    def places(self) -> FloatArray:
+        """Return candidate centres (m, 2) [m]."""
+        return place_centres(self.situations, PITCH)
+
+    def drag_areas(self) -> list[Candidate]:
+        """Return areas of rough floor, felt under each wheel or under the body's middle, moved and resized uphill."""
+        areas = [
+            replace(area, spread=spread)
+            for area in [*boxes(self.places()), *strips(self.situations)]
+            for spread in (0.0, 1.0)
+        ]
+        promise = self._drags(areas)
+        found = []
+        centres = np.array([(area.x, area.y) for area in areas])
+        for i in apart(promise, centres, KEEP, 1.5 * PITCH):
+            if self.hopeless(float(promise[i])):
+                continue
+            best, gain = settled(areas[i], self._drags)
+            found.append(Candidate({f"rough_floor_patch.{k}": v for k, v in best.numbers().items()}, gain))
+        return found
+
+    def _drags(self, areas: Sequence[Area]) -> FloatArray:
+        """Return what a drag in each area promises (c,); a rough floor never pushes."""
+        promise, amplitude = self.scores([drag_columns(s, areas) for s in self.situations])
+        return np.where(amplitude > 0, promise, 0.0)
+
+    def slippery_areas(self) -> list[Candidate]:
+        """Return discs of low friction: there the robot neither starts, stops nor turns as told."""
+        found = slides(self.parent, self.residual, place_centres(self.situations, PITCH, beside=True))
+        return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
+
+    def markers(self) -> list[Candidate]:
+        """Return discs inside which the poses are turned about their centre, or turned and shifted."""
+        jumps = [
+            jumps_of(simulator.prepared, simulated)
+            for simulator, simulated in zip(self.simulators, self.parent.simulated, strict=True)
+        ]
+        turned, shifted = (self._markers(jumps, with_shift) for with_shift in (False, True))
+        cost = float(np.log(self.residual.engine.count))  # of two numbers more
+        best = turned[0].promise if turned else 0.0
+        found = turned + [candidate for candidate in shifted if candidate.promise > best + cost]
+        return [candidate for candidate in found if not self.hopeless(candidate.promise)]
+
+    def _markers(self, jumps: Sequence[Jumps], shifted: bool) -> list[Candidate]:
+        """Return the best discs: jumps alone miss a faint turn that the poses inside show together."""
+        discs = likely_discs(jumps, shifted, MARKERS_TRIED)
+        wins = tried_out(self.parent, self.residual, [disc.changes for disc in discs])
+        promise = [max(disc.promise, float(win)) for disc, win in zip(discs, wins, strict=True)]
+        best = np.argsort(-np.array(promise))[:KEEP]
+        return [Candidate(discs[i].changes, promise[i]) for i in best]
+
+    def spans(self) -> list[Candidate]:
+        """Return spans of one recording in which one wheel's motor is weaker."""
+        table = parameter_table()
+        found: list[Candidate] = []
+        for side in ("left", "right"):
+            place = table.place(f"gain_{side}")
+            slot = next(i for i, s in enumerate(self.parent.slots) if s.place == place)
+            gain = float(self.parent.values[0, place])
+            for run, columns in enumerate(self.parent.columns):
+                span = likely_span(self.residual, run, gain * columns[:, :, slot])
+                changes = {
+                    f"motor_fault.loss_{side}": float(np.clip(span.loss, -0.4, 0.9)),
+                    "motor_fault.start": span.begin,
+                    "motor_fault.duration": span.end - span.begin,
+                }
+                found.append(Candidate(changes, span.promise, run))
+        return sorted(found, key=lambda c: -c.promise)[:KEEP]
+
+    def pushes(self) -> list[Candidate]:
+        """Return kicks of one recording, most promising first, each with what the best kick apart from it promises."""
+        tried = [kicks(self.residual, run, s) for run, s in enumerate(self.situations)]
+        found = []
+        for run, (starts, promise, amplitude) in enumerate(tried):
+            others = max((float(p.max()) for i, (_, p, _) in enumerate(tried) if i != run), default=0.0)
+            for b in apart(promise, starts[:, None], KEEP, 2 * STEP):
+                far = promise[np.abs(starts - starts[b]) > APART]
+                elsewhere = max(others, float(far.max(initial=0.0)))
+                changes = push_of(self.situations[run], float(starts[b]), amplitude[b])
+                found.append(Candidate(changes, float(promise[b]), run, elsewhere))
+        return sorted(found, key=lambda c: -c.promise)[:KEEP]
+
+
+SCANS: dict[str, Callable[[Scanner], list[Candidate]]] = {
+    "rough_floor_patch": Scanner.drag_areas,
+    "low_friction_patch": Scanner.slippery_areas,
+    "misplaced_marker": Scanner.markers,
+    "motor_fault": Scanner.spans,
+    "external_push": Scanner.pushes,
+}
+"""Effects of a place or a moment to the scan that finds it."""

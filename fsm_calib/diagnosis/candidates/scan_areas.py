@@ -1,0 +1,115 @@
+"""Areas on the floor as candidates of a scan: where they could lie, what they would do, how to move them uphill."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.replay.situation import Situation
+from fsm_calib.diagnosis.shapes.features import body_columns
+from fsm_calib.types import FloatArray
+
+RADII = (0.15, 0.25)  # m: the span of spots, mats and markers that a small robot crosses
+STRIPS = (0.08, 0.2)  # m, half widths
+STRIP_PITCH = 0.12  # m
+LONG = 5.0  # m, half length of a strip: beyond any arena of a small robot
+SETTLE_STEPS = (0.05, 0.025, 0.0125)  # m, by which centre and edges are moved
+ROUNDS = 3  # moves tried at each step
+SMALLEST = 0.04  # m, half size
+
+
+@dataclass(frozen=True, slots=True)
+class Area:
+    """A box (or the ellipse in it) on the floor: centre, half sizes [m]; `spread` 1 felt by wheels, 0 by the middle."""
+
+    x: float
+    y: float
+    half_x: float
+    half_y: float
+    spread: float = 0.0
+    roundness: float = 1.0
+
+    def numbers(self) -> dict[str, float]:
+        """Return the area in the words of an effect's parameters."""
+        return {"x": self.x, "y": self.y, "half_x": self.half_x, "half_y": self.half_y}
+
+    @property
+    def is_strip(self) -> bool:
+        """Return whether one side is as long as the arena."""
+        return max(self.half_x, self.half_y) >= LONG
+
+    def holds(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return 1 inside and 0 outside, shape of x and y [m]."""
+        dx, dy = np.abs(x - self.x) / self.half_x, np.abs(y - self.y) / self.half_y
+        reach = np.hypot(dx, dy) if self.roundness > 0.5 else np.maximum(dx, dy)
+        return (reach < 1.0).astype(float)
+
+
+Judge = Callable[[Sequence[Area]], FloatArray]
+
+
+def boxes(centres: FloatArray) -> list[Area]:
+    """Return squares of several sizes around centres (m, 2) [m]."""
+    return [Area(float(x), float(y), r, r, roundness=0.0) for r in RADII for x, y in centres]
+
+
+def strips(situations: Sequence[Situation]) -> list[Area]:
+    """Return strips along both axes over the visited floor."""
+    found = []
+    for half in STRIPS:
+        for at in _line([s.x for s in situations]):
+            found.append(Area(float(at), 0.0, half, LONG, roundness=0.0))
+        for at in _line([s.y for s in situations]):
+            found.append(Area(0.0, float(at), LONG, half, roundness=0.0))
+    return found
+
+
+def _line(tracks: Sequence[FloatArray]) -> FloatArray:
+    return np.arange(min(float(t.min()) for t in tracks), max(float(t.max()) for t in tracks), STRIP_PITCH)
+
+
+def settled(area: Area, judge: Judge) -> tuple[Area, float]:
+    """Move and resize an area while that promises more; return it with its promise."""
+    best, gain = area, float(judge([area])[0])
+    for step in SETTLE_STEPS:
+        for _ in range(ROUNDS):
+            tried = list(neighbours(best, step))
+            promise = judge(tried)
+            i = int(np.argmax(promise))
+            if promise[i] <= gain:
+                break
+            best, gain = tried[i], float(promise[i])
+    return best, gain
+
+
+def neighbours(area: Area, step: float) -> Iterator[Area]:
+    """Yield the area moved, resized, of the other form, and felt at the other place."""
+    for dx in (-step, 0.0, step):
+        for dy in (-step, 0.0, step):
+            yield replace(area, x=area.x + dx, y=area.y + dy)
+    for change in (-step, step):
+        half_x, half_y = max(area.half_x + change, SMALLEST), max(area.half_y + change, SMALLEST)
+        yield replace(area, half_x=half_x, half_y=half_y)
+        if area.roundness < 0.5:
+            yield replace(area, half_x=half_x)
+            yield replace(area, half_y=half_y)
+    yield replace(area, spread=1.0 - area.spread)
+    if not area.is_strip:
+        half = 0.5 * (area.half_x + area.half_y)
+        yield replace(area, roundness=1.0 - area.roundness, half_x=half, half_y=half)
+
+
+def drag_columns(s: Situation, areas: Sequence[Area]) -> FloatArray:
+    """Return increments (n, 5, areas) of a unit loss of rim speed on each side that stands in an area."""
+    loss = np.zeros((2, len(s.dt), len(areas)))
+    for side, sign in enumerate((1.0, -1.0)):
+        for i, area in enumerate(areas):
+            arm = sign * s.half * area.spread
+            inside = area.holds(s.x - arm * np.sin(s.heading), s.y + arm * np.cos(s.heading))
+            loss[side, :, i] = -inside * np.tanh((s.v - arm * s.omega) / 0.02)
+    spread = np.array([area.spread for area in areas])
+    return body_columns(
+        s, forward=0.5 * (loss[0] + loss[1]), turn=0.5 * spread * (loss[1] - loss[0]) / s.half
+    )

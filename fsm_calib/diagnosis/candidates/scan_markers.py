@@ -1,0 +1,231 @@
+r"""Where is the marker that lies wrong on the map? A matched filter on the jumps of the measured poses.
+
+A misplaced marker shows in a few frames only: the pose jumps where the robot enters the disc in which it is seen, and
+back where it leaves. Between two frames k - 1 and k the jump is
+
+    e_k = (c_k - c_(k-1)) - (what the base robot moved)          c_k = inside_k (shift + turn perp(r_k), turn)
+
+e_k [m, m, rad] in world axes, r_k [m] the place seen from the disc's centre. For a disc, turn and shift are linear, and
+least squares over the frames with their robust spread tells what they would win. The edge must be right to a frame or
+two: 8 mm beside the truth a disc may promise a quarter of what it does there (measured, poses at 30 Hz). A first look
+at a grid of discs therefore takes jumps over the time in which the robot travels from one disc to the next; the best
+then move and resize by what jumps from a frame before to a frame after the crossing tell. The centre need not have
+been visited. The spread is a median of all frames: the fitted noise has swallowed the jumps, and would hide them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.replay.prepared import Prepared
+from fsm_calib.types import FloatArray
+
+CENTRE_PITCH = 0.03  # m
+RADII = np.arange(0.09, 0.40, 0.03)  # m: how far off a marker is still the one that is seen
+MOVED_WIDE, MOVED = (0.015, 0.0075), (0.0075, 0.004, 0.002)  # m, by which the best discs are moved at the end
+LARGEST_JUMP = 12.0  # robust standard deviations: larger ones count as so many, a lone outlier is no marker
+SURE_JUMP = 6.0  # the same where one asks whether there is a marker at all
+SLACK = 1  # frames before and after a crossing that may be its own
+WIDE_TIME, WIDE_LEAST = 0.1, 2  # s, frames: the same for the grid, in which a robot travels about its pitch
+SHORTEST_STAY = 6  # frames: a shorter visit is all edge, or a few outliers in a row (4 of them, measured)
+FEWEST_JUMPS = 2  # entries and exits that a disc must have
+DISC_NUMBERS = 4  # turn, centre, radius
+KEPT = 3
+APART = 0.06  # m between the centres of two discs that are kept
+SMALLEST_SPREAD = np.array([1e-5, 1e-5, 1e-5])  # m, m, rad: of poses without noise
+RIDGE = 1e-6  # keeps the normal matrix regular where a disc is crossed at one point only
+MOVES = np.array(np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3)).reshape(3, -1).T
+MAD_TO_SD = 1.4826  # of a normal distribution
+
+
+@dataclass(frozen=True, eq=False)
+class Jumps:
+    """Unexplained motion about each pose: place (n, 2) [m], jump (n, 3) [m, m, rad] in world axes, spread (3,).
+
+    wide, wide_spread : the same over the longer time that a grid of discs needs.
+    """
+
+    place: FloatArray
+    jump: FloatArray
+    spread: FloatArray
+    wide: FloatArray
+    wide_spread: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """A marker's disc [m], its turn [rad] and shift [m], and the log-likelihood that it promises to win."""
+
+    x: float
+    y: float
+    radius: float
+    turn: float
+    shift_x: float
+    shift_y: float
+    promise: float
+
+    @property
+    def changes(self) -> dict[str, float]:
+        """The disc in the words of the effect's parameters, by full name; shifts only where it has one."""
+        numbers = {
+            "x": self.x,
+            "y": self.y,
+            "radius": self.radius,
+            "turn": float(np.clip(self.turn, -1.0, 1.0)),
+        }
+        if self.shift_x or self.shift_y:
+            numbers |= {"shift_x": self.shift_x, "shift_y": self.shift_y}
+        return {f"misplaced_marker.{name}": value for name, value in numbers.items()}
+
+
+def jumps_of(prepared: Prepared, simulated: FloatArray, largest: float = LARGEST_JUMP) -> Jumps:
+    """Return what the poses of one recording moved beyond the simulated increments (n, 5).
+
+    largest : robust standard deviations that a jump may count for.
+    """
+    p = prepared
+    cos, sin = np.cos(p.reference[:, 2]), np.sin(p.reference[:, 2])
+    off = np.column_stack([cos * p.y[:, 0] - sin * p.y[:, 1], sin * p.y[:, 0] + cos * p.y[:, 1], p.y[:, 2]])
+    too_far = simulated - p.step  # told in the frame at the begin of an interval
+    drift = np.zeros_like(off)
+    drift[1:, 0] = cos[:-1] * too_far[1:, 0] - sin[:-1] * too_far[1:, 1]
+    drift[1:, 1] = sin[:-1] * too_far[1:, 0] + cos[:-1] * too_far[1:, 1]
+    drift[1:, 2] = too_far[1:, 2]
+    poses = np.flatnonzero(p.seen[:, 2])
+    unexplained, chain = (off - np.cumsum(drift, axis=0))[poses], np.cumsum(p.restart)[poses]
+    wide = max(WIDE_LEAST, round(WIDE_TIME / float(p.geometry[2])))
+    return Jumps(
+        p.reference[poses, :2],
+        *_over(unexplained, chain, SLACK, largest),
+        *_over(unexplained, chain, wide, largest),
+    )
+
+
+def _over(
+    unexplained: FloatArray, chain: FloatArray, slack: int, largest: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the change (n, 3) from `slack` frames before a step to `slack` after it, nan across breaks; its spread."""
+    jump, width = np.full_like(unexplained, np.nan), 1 + 2 * slack
+    inner = slice(1 + slack, len(unexplained) - slack)
+    jump[inner] = unexplained[width:] - unexplained[:-width]
+    jump[inner][chain[width:] != chain[:-width]] = np.nan
+    known = jump[np.isfinite(jump[:, 2])]
+    spread = MAD_TO_SD * np.median(np.abs(known), axis=0) if len(known) else np.ones(3)
+    spread = np.maximum(spread, SMALLEST_SPREAD)
+    return np.clip(jump, -largest * spread, largest * spread), spread
+
+
+def likely_discs(jumps: Sequence[Jumps], shifted: bool, kept: int = KEPT) -> list[Disc]:
+    """Return the most promising discs, apart from each other: of a turned marker, or of one `shifted` as well."""
+    place = np.vstack([j.place for j in jumps])
+    wide = Frames.of(place, [(j.wide, j.wide_spread) for j in jumps])
+    narrow = Frames.of(place, [(j.jump, j.spread) for j in jumps])
+    discs = _grid(place)
+    promise = wide.numbers(discs, shifted)[:, 0]
+    any_good = promise > 0.0
+    promise, discs = promise[any_good], discs[any_good]
+    best = [discs[i] for i in apart(promise, discs[:, :2], kept, APART)]
+    moved = [narrow.moved(wide.moved(disc, MOVED_WIDE, shifted), MOVED, shifted) for disc in best]
+    return sorted((narrow.disc(disc, shifted) for disc in moved), key=lambda disc: -disc.promise)
+
+
+def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray], count: int) -> float:
+    """Return the evidence that poses jump at the edge of some disc, whatever the simulated increments (n, 5) explain.
+
+    2 g - 4 ln N - 2 ln D for the gain g of the best of D discs and `count` innovations N.
+    """
+    if not all(p.poses.placed for p in prepared):
+        return -np.inf
+    jumps = [jumps_of(p, s, SURE_JUMP) for p, s in zip(prepared, simulated, strict=True)]
+    best = max((disc.promise for disc in likely_discs(jumps, shifted=False)), default=0.0)
+    discs = len(_grid(np.vstack([j.place for j in jumps])))
+    return float(2.0 * best - DISC_NUMBERS * np.log(count) - 2.0 * np.log(discs))
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """All frames: place (n, 2) [m], jump (n, 3), nan where a recording begins or breaks, and their weights (n, 3)."""
+
+    place: FloatArray
+    jump: FloatArray
+    weight: FloatArray
+
+    @classmethod
+    def of(cls, place: FloatArray, jumps: Sequence[tuple[FloatArray, FloatArray]]) -> Frames:
+        """Join the jumps (n, 3) of all recordings, each with its spread (3,)."""
+        weight = [np.tile(spread**-2, (len(jump), 1)) for jump, spread in jumps]
+        return cls(place, np.vstack([jump for jump, _ in jumps]), np.vstack(weight))
+
+    def numbers(self, discs: FloatArray, shifted: bool) -> FloatArray:
+        """Return promise, turn [rad] and shift [m] of discs (m, 3), shape (m, 4)."""
+        found = _numbers(self.place, self.jump, self.weight, discs, 3 if shifted else 1)
+        return np.asarray(found, dtype=float)
+
+    def moved(self, disc: FloatArray, steps: Sequence[float], shifted: bool) -> FloatArray:
+        """Move and resize a disc (3,) by ever smaller `steps` [m] to where it promises most."""
+        for step in steps:
+            tried = disc + step * MOVES
+            disc = tried[int(np.argmax(self.numbers(tried, shifted)[:, 0]))]
+        return disc
+
+    def disc(self, disc: FloatArray, shifted: bool) -> Disc:
+        """Return a disc (3,) with the turn and shift that fit it best."""
+        x, y, radius = map(float, disc)
+        promise, turn, shift_x, shift_y = map(float, self.numbers(disc[None], shifted)[0])
+        return Disc(x, y, radius, turn, shift_x, shift_y, promise)
+
+
+def _grid(place: FloatArray) -> FloatArray:
+    """Return discs (m, 3): x, y, radius [m] over the visited floor and the largest radius beyond it."""
+    low, high = place.min(axis=0) - RADII[-1], place.max(axis=0) + RADII[-1]
+    x, y, r = np.meshgrid(
+        np.arange(low[0], high[0], CENTRE_PITCH), np.arange(low[1], high[1], CENTRE_PITCH), RADII
+    )
+    return np.column_stack([x.ravel(), y.ravel(), r.ravel()])
+
+
+@njit(cache=True)
+def _numbers(place, jump, weight, discs, size):  # type: ignore[no-untyped-def]
+    """Return promise and the first `size` of turn, shift_x, shift_y of each disc, shape (m, 4)."""
+    out = np.zeros((len(discs), 4))
+    normal, score = np.zeros((3, 3)), np.zeros(3)
+    for d in range(len(discs)):
+        normal[:], score[:] = 0.0, 0.0
+        count, entered, square = 0, -1, discs[d, 2] ** 2
+        was = False
+        for k in range(len(place)):
+            inside = (place[k, 0] - discs[d, 0]) ** 2 + (place[k, 1] - discs[d, 1]) ** 2 < square
+            if inside and not was:
+                entered = k
+            elif was and not inside and k - entered >= SHORTEST_STAY:
+                count += _add_jump(
+                    place[entered], 1.0, jump[entered], weight[entered], discs[d], size, normal, score
+                )
+                count += _add_jump(place[k - 1], -1.0, jump[k], weight[k], discs[d], size, normal, score)
+            was = inside
+        if count >= FEWEST_JUMPS:
+            numbers = np.linalg.solve(normal[:size, :size] + RIDGE * np.eye(size), score[:size])
+            out[d, 0] = 0.5 * np.dot(numbers, score[:size])
+            out[d, 1 : 1 + size] = numbers
+    return out
+
+
+@njit(cache=True)
+def _add_jump(at, sign, jump, weight, disc, size, normal, score):  # type: ignore[no-untyped-def]
+    """Add the jump at an edge to the normal equations; `at` the pose that is wrong; return 0 where none is known."""
+    if np.isnan(jump[2]):
+        return 0
+    columns = np.zeros((3, 3))
+    columns[0, 0], columns[0, 1] = -sign * (at[1] - disc[1]), sign * (at[0] - disc[0])
+    columns[0, 2] = columns[1, 0] = columns[2, 1] = sign
+    for c in range(3):
+        for i in range(size):
+            score[i] += columns[i, c] * weight[c] * jump[c]
+            for j in range(size):
+                normal[i, j] += columns[i, c] * weight[c] * columns[j, c]
+    return 1

@@ -1,0 +1,65 @@
+"""When did a motor fail? Spans of one recording in which one wheel's gain is lower, to first order.
+
+A span is a sum of cells between neighbouring edges. All cells pass the whitening filter as columns, and the score and
+power of every span are sums over theirs. Coarse edges over the whole drive find the span, fine ones about its begin
+and end find these: a fit that starts a second off stays there, since the likelihood is bumpy in both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsm_calib.diagnosis.shapes.score_tests import Residual, project
+from fsm_calib.types import FloatArray
+
+COARSE, FINE = 0.75, 0.15  # s between edges
+ABOUT = 1.2  # s about a coarse edge in which fine ones are tried
+LOSSES = (0.005, 1.0)  # smallest and largest change of a gain that counts
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A weak motor from begin to end [s], the share of its gain that is lost, the log-likelihood that it promises."""
+
+    begin: float
+    end: float
+    loss: float
+    promise: float
+
+
+def likely_span(residual: Residual, run: int, gain: FloatArray) -> Span:
+    """Return the most promising span of recording `run`.
+
+    gain : (n, 5), what the increments change by when the wheel's gain is doubled.
+    """
+    time = residual.whiteners[run].prepared.time
+    ends = [max(time[0], 0.0), time[-1]]
+    found = _best(residual, run, gain, np.unique([*np.arange(ends[0], ends[1] - COARSE, COARSE), *ends]))
+    about = [np.arange(at - ABOUT, at + ABOUT, FINE) for at in (found.begin, found.end)]
+    fine = np.unique(np.clip(np.concatenate([*about, ends]), *ends))
+    return max(found, _best(residual, run, gain, fine), key=lambda span: span.promise)
+
+
+def _best(residual: Residual, run: int, gain: FloatArray, edges: FloatArray) -> Span:
+    """Return the most promising span between two of `edges` [s]."""
+    x = project(residual, _cells(residual, run, gain, edges))
+    score, gram = np.r_[0.0, np.cumsum(x.T @ residual.psi)], np.zeros((len(edges), len(edges)))
+    gram[1:, 1:] = np.cumsum(np.cumsum(x.T @ x, axis=0), axis=1)
+    i, j = np.triu_indices(len(edges), 1)
+    power = gram[j, j] - gram[i, j] - gram[j, i] + gram[i, i]
+    amplitude = (score[j] - score[i]) / np.maximum(power, 1e-12)
+    counts = (np.abs(amplitude) > LOSSES[0]) & (np.abs(amplitude) < LOSSES[1])
+    promise = np.where(counts, 0.5 * amplitude**2 * power, 0.0)
+    best = int(np.argmax(promise))
+    return Span(float(edges[i[best]]), float(edges[j[best]]), -float(amplitude[best]), float(promise[best]))
+
+
+def _cells(residual: Residual, run: int, gain: FloatArray, edges: FloatArray) -> list[FloatArray]:
+    """Return `gain` cut at `edges`, (n, 5, cells), for its recording, and nothing for the others."""
+    prepared = [whitener.prepared for whitener in residual.whiteners]
+    cells = [np.zeros((*p.step.shape, len(edges) - 1)) for p in prepared]
+    index = np.clip(np.searchsorted(edges, prepared[run].time, side="right") - 1, 0, len(edges) - 2)
+    cells[run][np.arange(len(index)), :, index] = gain
+    return cells

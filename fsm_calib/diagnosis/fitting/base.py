@@ -1,0 +1,133 @@
+"""The base robot: what every hypothesis re-fits, because a re-fit is exactly what conceals an effect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.slot import Slot
+from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.diagnosis.replay.simulator import Simulator, nominal_values
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import NUISANCE, parameter_table
+
+SLIP_SPREAD = (
+    0.006  # m/s: tyres of small robots differ by half of the default slip speed (benchmarks/rollout.py)
+)
+AXLE_SPREAD = 0.05  # of the stated axle: a tape measures the track, tyres touch the floor a width beside it
+RADIUS_SPREAD = 0.05  # of the stated radius: tyres wear and are squeezed; the scale of measured wheel speeds
+FARTHEST = 4.0  # spreads: an axle or a wheel farther from the stated one is another physics, not a re-fit
+TYPICAL_LAG, LAG_SPREAD = (
+    0.15,
+    0.25,
+)  # s: time constants of small robots are 0.05 to 0.3 s; weak, data overrule it
+ROUNDS = 4  # fit and noise in turn; two suffice on clean data
+ENOUGH = 0.5  # log-likelihood units between rounds
+PHASES = 16  # around a turn: nearer than the width of a periodic effect's likelihood
+
+SPEED_NOISE = (2, 3, 4)
+POSE_NOISE = (0, 1, 2, 3, 4, 5, 8)
+ENCODER_NOISE = (6, 7)
+
+
+def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slot, ...]:
+    """Return what a fit of the base robot moves.
+
+    Gains, axle, two time constants (not for measured wheel speeds, which have no motor between them and the floor),
+    the tyres' slip speed under a prior, and with encoders the wheel radii.
+    """
+    names = list(NUISANCE[:3]) if simulators[0].measured_input else list(NUISANCE)
+    if any(s.prepared.has_encoders for s in simulators):
+        names += ["wheel_radius_left", "wheel_radius_right"]
+    slots = [slot_of(name) for name in names]
+    robot = simulators[0].prepared.recording.robot
+    if robot.axle_length:
+        slots[2] = near(slots[2], robot.axle_length, AXLE_SPREAD)
+    if robot.wheel_radius and simulators[0].measured_input:
+        slots[:2] = [near(slot, float(values[slot.place]), RADIUS_SPREAD) for slot in slots[:2]]
+    if not simulators[0].measured_input:
+        slots[3:5] = [replace(slot, centre=TYPICAL_LAG, spread=LAG_SPREAD) for slot in slots[3:5]]
+        slip = slot_of("slip_speed")
+        centre = float(values[slip.place])
+        slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=SLIP_SPREAD))
+    return tuple(slots)
+
+
+def near(slot: Slot, stated: float, spread: float) -> Slot:
+    """Return the slot with a prior around a stated value, `spread` relative to it, and bounds not far beyond."""
+    slack = spread * stated
+    low, high = stated - FARTHEST * slack, stated + FARTHEST * slack
+    return replace(slot, low=low, high=high, centre=stated, spread=slack)
+
+
+def slot_of(name: str, run: int = -1) -> Slot:
+    """Return the slot of a parameter with its physical bounds."""
+    table = parameter_table()
+    place = table.place(name)
+    entry = table.entries[place]
+    return Slot(place, entry.low, entry.high, entry.difference_step, run)
+
+
+def noise_names(simulators: Sequence[Simulator]) -> tuple[int, ...]:
+    """Return the places of the noise levels that these recordings can tell."""
+    return POSE_NOISE + (ENCODER_NOISE if any(s.prepared.has_encoders for s in simulators) else ())
+
+
+def fit_base(engine: Engine, more: Sequence[str] = ()) -> Fit:
+    """Fit the base robot and the noise in turn, from the robot as its manifest states it.
+
+    more : full names of further parameters that are free. Effects of the simulators' world stay as they are; what
+    they leave to each recording (the phase of an eccentric wheel) is found for each.
+    """
+    values = np.tile(nominal_values(engine.simulators), (len(engine.simulators), 1))
+    slots = base_slots(engine.simulators, values[0]) + tuple(map(slot_of, more))
+    free = noise_names(engine.simulators)
+    own = slots_of_recordings(values)
+    if own:
+        start = engine.refit_noise(engine.fit(values, slots, Noise()), free, 8)
+        values, slots = with_phases(engine, start, own), slots + own
+    return _in_turn(engine, values, slots, free)
+
+
+def slots_of_recordings(values: FloatArray) -> tuple[Slot, ...]:
+    """Return the slots that active effects leave to each recording, `values` (R, p); strengths are not among them."""
+    table = parameter_table()
+    active = table.active_effects(values[0])
+    names = [
+        f"{name}.{p.name}"
+        for name in active
+        for p in registry()[name].parameters
+        if p.per_recording and not p.strength
+    ]
+    return tuple(slot_of(name, run) for name in names for run in range(len(values)))
+
+
+def with_phases(engine: Engine, fit: Fit, own: Sequence[Slot]) -> FloatArray:
+    """Return the parameters of `fit` (R, p) with each recording's own numbers chosen around a turn, one by one."""
+    whiteners, values = engine.whiteners(fit.noise), fit.values.copy()
+    for slot in own:
+        simulator = engine.simulators[slot.run]
+        tried = np.tile(values[slot.run], (PHASES, 1))
+        tried[:, slot.place] = np.linspace(0.0, 2.0 * np.pi, PHASES, endpoint=False)
+        alone = Engine((simulator,))
+        scores = [
+            alone.log_likelihood(whiteners[slot.run : slot.run + 1], [s]) for s in simulator.increments(tried)
+        ]
+        values[slot.run] = tried[int(np.argmax(scores))]
+    return values
+
+
+def _in_turn(engine: Engine, values: FloatArray, slots: tuple[Slot, ...], free: Sequence[int]) -> Fit:
+    """Fit parameters and noise in turn until that wins nothing."""
+    noise, before = Noise(), -np.inf
+    for _ in range(ROUNDS):
+        fit = engine.refit_noise(engine.fit(values, slots, noise), free, 8)
+        values, noise = fit.values, fit.noise
+        if fit.score - before < ENOUGH:
+            break
+        before = fit.score
+    return engine.fit(values, slots, noise, refresh=True)

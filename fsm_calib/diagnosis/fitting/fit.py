@@ -1,0 +1,278 @@
+"""The fit: Student-t reweighted Gauss-Newton on whitened innovations, never worse than where it started.
+
+Minimises -log L(parameters) for fixed noise. Jacobian columns are finite differences of the simulated increments,
+whitened by the same filter as the residual. Columns of parameters that a parent fit already differentiated may be
+reused (chord method): they change little when an effect is added, and the likelihood, not the Jacobian, decides
+whether a step is taken. Source: Nocedal & Wright, Numerical Optimization, 2nd ed. 2006, chapter 10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.fitting.newton import clipped, damped_step, log_prior, normal_equations, promised
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
+from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.diagnosis.likelihood.robust import Whitener, fit_noise, log_density
+from fsm_calib.diagnosis.replay.simulator import Simulator
+from fsm_calib.types import FloatArray
+
+SMALL_GAIN = 0.1  # log-likelihood units: a smaller gain ends the iteration
+
+AT_A_TIME = 16  # parameter vectors that are simulated in one call
+REMEMBERED = 4  # filters at so many noises
+NEGLIGIBLE = 0.01  # log-likelihood units: a fit that may be given up does not try a step that promises less
+OPTIMISM = 3.0  # a fit is given up where even so many times the promise of its step would not fulfil its hope
+PATIENCE = 2  # steps within which a fit must show that it gets anywhere
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted model of R recordings.
+
+    values : (R, p) parameters; slots : what was free; noise; log_likelihood at `values`; log_prior; covariance :
+    (m, m) of the slots; simulated : increments (n, 5) of each recording; columns : raw Jacobian (n, 5, m) of each.
+    """
+
+    values: FloatArray
+    slots: tuple[Slot, ...]
+    noise: Noise
+    log_likelihood: float
+    log_prior: float
+    covariance: FloatArray
+    simulated: tuple[FloatArray, ...]
+    columns: tuple[FloatArray, ...]
+
+    @property
+    def score(self) -> float:
+        """Log-likelihood plus log-prior: what the fit maximises."""
+        return self.log_likelihood + self.log_prior
+
+    def slot_values(self) -> FloatArray:
+        """Return the current numbers in the slots, shape (m,)."""
+        return slot_numbers(self.values, self.slots)
+
+    def numbers(self) -> Iterator[tuple[Slot, float, float]]:
+        """Yield each slot with its number and the variance of it."""
+        variances = np.diagonal(self.covariance)
+        for slot, value, variance in zip(self.slots, self.slot_values(), variances, strict=True):
+            yield slot, float(value), float(variance)
+
+
+def slot_numbers(values: FloatArray, slots: Sequence[Slot]) -> FloatArray:
+    """Return what stands in the slots of `values` (R, p), shape (m,)."""
+    return np.array([values[max(slot.run, 0), slot.place] for slot in slots])
+
+
+def with_slots(values: FloatArray, slots: Sequence[Slot], numbers: FloatArray) -> FloatArray:
+    """Return a copy of `values` (R, p) with `numbers` (m,) in the slots."""
+    changed = values.copy()
+    for slot, number in zip(slots, numbers, strict=True):
+        changed[slice(None) if slot.run == ALL_RUNS else slot.run, slot.place] = number
+    return changed
+
+
+def simulate_all(simulators: Sequence[Simulator], values: FloatArray) -> tuple[FloatArray, ...]:
+    """Return the simulated increments of every recording at its own parameters, `values` (R, p)."""
+    return tuple(s.increments(v[None])[0] for s, v in zip(simulators, values, strict=True))
+
+
+def jacobian(
+    simulators: Sequence[Simulator],
+    values: FloatArray,
+    slots: Sequence[Slot],
+    simulated: Sequence[FloatArray],
+) -> tuple[FloatArray, ...]:
+    """Return the finite-difference Jacobian of the increments, (n, 5, m) for each recording."""
+    columns = []
+    for run, (simulator, here) in enumerate(zip(simulators, simulated, strict=True)):
+        rows, where, steps = [], [], []
+        for j, slot in enumerate(slots):
+            if slot.run in (ALL_RUNS, run):
+                now = values[run, slot.place]
+                step = slot.step if now + slot.step <= slot.high else -slot.step
+                vector = values[run].copy()
+                vector[slot.place] = now + step
+                rows.append(vector)
+                where.append(j)
+                steps.append(step)
+        full = np.zeros((*here.shape, len(slots)))
+        if rows:
+            moved = simulator.increments(np.array(rows))
+            full[:, :, where] = np.moveaxis((moved - here) / np.array(steps)[:, None, None], 0, -1)
+        columns.append(full)
+    return tuple(columns)
+
+
+def _nonzero_columns(whitener: Whitener, columns: FloatArray) -> FloatArray:
+    """Whiten columns (n, 5, m); those that are zero in this recording cost nothing."""
+    used = np.flatnonzero(columns.any(axis=(0, 1)))
+    if len(used) == columns.shape[2]:
+        return whitener.columns(columns)
+    out = np.zeros((int(whitener.prepared.scored.sum()), columns.shape[2]))
+    if len(used):
+        out[:, used] = whitener.columns(columns[:, :, used])
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class WhiteKnown:
+    """Raw columns of a parent fit, the filters that they passed, and what came out, (N, q)."""
+
+    raw: Sequence[FloatArray]
+    whiteners: Sequence[Whitener]
+    white: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Engine:
+    """The recordings of one robot and how to fit them.
+
+    It remembers filters and whitened columns that many fits in a row share; results do not depend on it.
+    """
+
+    simulators: tuple[Simulator, ...]
+    _filters: dict[bytes, list[Whitener]] = field(default_factory=dict, init=False, repr=False)
+    _last_known: list[WhiteKnown] = field(default_factory=list, init=False, repr=False)
+
+    @property
+    def nu(self) -> float:
+        """Degrees of freedom of the innovations' t distribution."""
+        return self.simulators[0].prepared.settings.degrees_of_freedom
+
+    @property
+    def count(self) -> int:
+        """The number of scored innovations N."""
+        return int(sum(s.prepared.scored.sum() for s in self.simulators))
+
+    def whiteners(self, noise: Noise) -> list[Whitener]:
+        """Return one filter a recording; the last few noises are remembered, since many fits share one."""
+        key = noise.vector().tobytes()
+        kept = self._filters
+        if key not in kept:
+            if len(kept) >= REMEMBERED:
+                kept.pop(next(iter(kept)))
+            kept[key] = [Whitener.at(s.prepared, noise) for s in self.simulators]
+        return kept[key]
+
+    def log_likelihood(self, whiteners: Sequence[Whitener], simulated: Sequence[FloatArray]) -> float:
+        """Return the log-likelihood of simulated increments."""
+        return self.judged(whiteners, simulated)[1]
+
+    def residual(self, whiteners: Sequence[Whitener], simulated: Sequence[FloatArray]) -> FloatArray:
+        """Return the whitened innovations of all recordings in a row, shape (N,)."""
+        return self.judged(whiteners, simulated)[0]
+
+    def judged(
+        self, whiteners: Sequence[Whitener], simulated: Sequence[FloatArray]
+    ) -> tuple[FloatArray, float]:
+        """Return the whitened innovations of all recordings in a row and their log-likelihood."""
+        parts = [w.residual(s) for w, s in zip(whiteners, simulated, strict=True)]
+        densities = [
+            log_density(r, w.log_scale, self.nu).sum() for r, w in zip(parts, whiteners, strict=True)
+        ]
+        return np.concatenate(parts), float(sum(densities))
+
+    def of_recording(self, run: int, whiteners: Sequence[Whitener], rows: FloatArray) -> FloatArray:
+        """Return the log-likelihood (m,) of one recording at each of the parameters `rows` (m, p)."""
+        simulator, white = self.simulators[run], whiteners[run]
+        parts = [simulator.increments(rows[i : i + AT_A_TIME]) for i in range(0, len(rows), AT_A_TIME)]
+        residuals = (white.residual(simulated) for part in parts for simulated in part)
+        return np.array([log_density(r, white.log_scale, self.nu).sum() for r in residuals])
+
+    def _white_known(
+        self, whiteners: Sequence[Whitener], known: Sequence[FloatArray] | None
+    ) -> FloatArray | None:
+        """Return whitened columns that a parent fit has computed; the last ones are remembered."""
+        if not known or not known[0].shape[2]:
+            return None
+        last = self._last_known
+        if not last or last[0].raw is not known or last[0].whiteners is not whiteners:
+            last[:] = [WhiteKnown(known, whiteners, self.white_columns(whiteners, known))]
+        return last[0].white
+
+    def white_columns(self, whiteners: Sequence[Whitener], columns: Sequence[FloatArray]) -> FloatArray:
+        """Return whitened Jacobian columns of all recordings, shape (N, m): minus the residual's derivatives."""
+        return -np.vstack([_nonzero_columns(w, c) for w, c in zip(whiteners, columns, strict=True)])
+
+    def fit(
+        self,
+        values: FloatArray,
+        slots: Sequence[Slot],
+        noise: Noise,
+        *,
+        known: Sequence[FloatArray] | None = None,
+        steps: int = 12,
+        refresh: bool = False,
+        hope: float = -np.inf,
+        linear: bool = False,
+    ) -> Fit:
+        """Climb from `values` (R, p).
+
+        known : raw columns (n, 5, q) of the first q slots for each recording, not computed again; refresh : compute
+        all columns at the end, for the covariance; hope : a score that must be passed within `PATIENCE` steps, else
+        the fit is given up; linear : the model is nearly linear here, so that what a step promises may end it at once.
+        """
+        slots = tuple(slots)
+        whiteners = self.whiteners(noise)
+        numbers = slot_numbers(values, slots)
+        simulated = simulate_all(self.simulators, values)
+        residual, here = self.judged(whiteners, simulated)
+        here += log_prior(slots, numbers)
+        fixed = self._white_known(whiteners, known)
+        first = 0 if fixed is None else fixed.shape[1]
+        normal = np.eye(len(slots))
+        raw: tuple[FloatArray, ...] = ()
+        damping = 1e-6
+        for iteration in range(steps):
+            raw = jacobian(self.simulators, values, slots[first:], simulated)
+            white = self.white_columns(whiteners, raw)
+            white = white if fixed is None else np.hstack([fixed, white])
+            normal, gradient = normal_equations(white, residual, slots, numbers, self.nu)
+            better, tried = None, damped_step(normal, gradient, damping, slots, numbers)
+            won = promised(normal, gradient, tried - numbers)
+            settled = hope > -np.inf and won < NEGLIGIBLE and not clipped(slots, numbers, tried)
+            if settled or (linear and here + OPTIMISM * won < hope):
+                break
+            for _ in range(5):
+                candidate = with_slots(values, slots, tried)
+                there_simulated = simulate_all(self.simulators, candidate)
+                there_residual, there = self.judged(whiteners, there_simulated)
+                there += log_prior(slots, tried)
+                if there > here:
+                    better = (candidate, tried, there_simulated, there_residual, there)
+                    damping = max(damping * 0.1, 1e-6)
+                    break
+                damping = max(damping * 30.0, 1e-3)
+                tried = damped_step(normal, gradient, damping, slots, numbers)
+            if better is None:
+                break
+            gain = better[4] - here
+            values, numbers, simulated, residual, here = better
+            if gain < SMALL_GAIN or (iteration + 1 >= PATIENCE and here < hope):
+                break
+        if refresh or not raw:
+            raw = jacobian(self.simulators, values, slots, simulated)
+            white = self.white_columns(whiteners, raw)
+            normal, _ = normal_equations(white, residual, slots, numbers, self.nu)
+        elif first and known:
+            raw = tuple(np.concatenate([k, r], axis=2) for k, r in zip(known, raw, strict=True))
+        prior = log_prior(slots, numbers)
+        covariance: FloatArray = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=float)
+        return Fit(values, slots, noise, here - prior, prior, covariance, simulated, raw)
+
+    def at_noise(self, fit: Fit, noise: Noise) -> Fit:
+        """Return the same parameters under another noise."""
+        return replace(
+            fit, noise=noise, log_likelihood=self.log_likelihood(self.whiteners(noise), fit.simulated)
+        )
+
+    def refit_noise(self, fit: Fit, names: Sequence[int], steps: int = 3) -> Fit:
+        """Return the same parameters with the likeliest noise."""
+        prepared = [s.prepared for s in self.simulators]
+        noise = fit_noise(prepared, fit.simulated, fit.noise, names, steps)
+        value = self.log_likelihood(self.whiteners(noise), fit.simulated)
+        return replace(fit, noise=noise, log_likelihood=value) if value > fit.log_likelihood else fit

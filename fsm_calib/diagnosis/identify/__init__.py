@@ -1,0 +1,1 @@
+"""The base robot alone, from whichever channels a recording holds."""

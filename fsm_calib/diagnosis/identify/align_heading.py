@@ -1,0 +1,86 @@
+"""A first guess where headings were measured: two linear fits over stretches of about a second.
+
+    dtheta = J_r q_r - J_l q_l                     J_i = a_i / b
+    dz exp(-i theta_m) = alpha (q_l + q_r) / 2 + beta dtheta        z = x + i y, complex alpha, beta
+
+over each stretch, theta_m its middle heading. The signs of J tell reversed or exchanged wheels, the phase of
+alpha is -psi (how the tracked point's heading stands on the robot) and its size the mean scale.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsm_calib.diagnosis.replay.wheels import TYPICAL_AXLE, Wheels
+from fsm_calib.errors import DataError
+from fsm_calib.recording.channels import PoseTrack
+from fsm_calib.types import FloatArray, wrap_angle
+
+STRETCH = 1.0  # s: long beside time constants and delays, short beside a turn
+SHORTEST_PATH = 0.05  # m: a robot that moved less stood still
+ROUNDS = 15  # of re-weighting against outliers
+
+
+def linear_guess(
+    wheels: Wheels, pose: PoseTrack, axle: float | None
+) -> tuple[int, int, bool, float, float, float]:
+    """Return left sign, right sign, exchanged, scale, axle [m], psi [rad]; raise DataError for a robot at
+    rest.
+    """
+    left, right, turn, move = _stretches(wheels, pose)
+    nominal = wheels.nominal or wheels.size
+    if float(np.abs(move).max()) < SHORTEST_PATH:
+        raise DataError(
+            "the robot hardly moved", cure="Drive at least some turns of the wheels, to both sides."
+        )
+    j = robust_linear(np.stack([-left, right], axis=1), turn)
+    exchanged = False
+    signs = [1 if j[0] >= 0 else -1, 1 if j[1] >= 0 else -1]
+    alpha = _forward(signs[0] * left + signs[1] * right, turn, move)
+    if signs == [-1, -1] and abs(wrap_angle(float(np.angle(alpha)))) > np.pi / 2.0:
+        # both turn it the wrong way, yet it drives forward as stated: the columns are exchanged
+        signs, exchanged, alpha = [1, 1], True, -alpha
+    scale = abs(alpha) if 0.05 < abs(alpha) / nominal < 20.0 else nominal
+    ratio = float(np.abs(j).mean())
+    length = scale / ratio if ratio > 0 else axle or TYPICAL_AXLE
+    stated = axle or TYPICAL_AXLE
+    length = length if 0.2 < length / stated < 5.0 else stated
+    return signs[0], signs[1], exchanged, float(scale), float(length), -float(np.angle(alpha))
+
+
+def _stretches(wheels: Wheels, pose: PoseTrack) -> tuple[FloatArray, FloatArray, FloatArray, np.ndarray]:
+    """Return travel of both wheels, turn and motion in the middle heading's frame over stretches."""
+    known = np.isfinite(pose.theta)
+    time, heading = pose.time[known], np.unwrap(pose.theta[known])
+    z = pose.x[known] + 1j * pose.y[known]
+    end = np.searchsorted(time, time + STRETCH)
+    start = np.flatnonzero(end < len(time))
+    end = end[start]
+    near = time[end] - time[start] < 2.0 * STRETCH
+    start, end = start[near], end[near]
+    if len(start) < 10:
+        raise DataError(
+            "the poses are too sparse: fewer than 10 stretches of a second", cure="Record longer."
+        )
+    left, right = (np.interp(time, wheels.time, side) for side in (wheels.left, wheels.right))
+    middle = (heading[start] + heading[end]) / 2.0
+    move = (z[end] - z[start]) * np.exp(-1j * middle)
+    return left[end] - left[start], right[end] - right[start], heading[end] - heading[start], move
+
+
+def _forward(both: FloatArray, turn: FloatArray, move: np.ndarray) -> complex:
+    """Return alpha, its real and imaginary parts fitted one after the other."""
+    design = np.stack([both / 2.0, turn], axis=1)
+    return complex(robust_linear(design, move.real)[0], robust_linear(design, move.imag)[0])
+
+
+def robust_linear(design: FloatArray, target: FloatArray) -> FloatArray:
+    """Least absolute deviations, roughly: least squares re-weighted by 1 / |residual|."""
+    weight = np.ones(len(target))
+    solution: FloatArray = np.zeros(design.shape[1])
+    for _ in range(ROUNDS):
+        root = np.sqrt(weight)
+        solution = np.linalg.lstsq(design * root[:, None], target * root, rcond=None)[0].astype(np.float64)
+        residual = np.abs(target - design @ solution)
+        weight = 1.0 / np.maximum(residual, max(float(np.median(residual)), 1e-9))
+    return solution

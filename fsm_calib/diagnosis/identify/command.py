@@ -1,0 +1,146 @@
+"""Gains, axle length, time constants and the tracked point from commands and poses.
+
+The base robot of `identify_filter`: each wheel's rim speed settles at gain * command, the robot's forward
+speed and turn rate with one time constant each.
+
+    V = (g_r u_r + g_l u_l) / 2        W = (g_r u_r - g_l u_l) / b        (wheel commands)
+    V = g_f v                          W = g_t omega                      (twist commands)
+
+g_l, g_r [m/s at command 1, or m for commands in rad/s]; g_f, g_t [1].
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsm_calib.diagnosis.identify.align import align
+from fsm_calib.diagnosis.identify.filter import BY_COMMANDS, STEP_COLUMNS
+from fsm_calib.diagnosis.identify.pose import Parameter, PoseFit, fit_pose, thinned
+from fsm_calib.diagnosis.replay.wheels import Wheels
+from fsm_calib.errors import DataError
+from fsm_calib.recording.channels import PoseTrack
+from fsm_calib.recording.recording import Recording, held_at, held_integral
+from fsm_calib.types import FloatArray
+
+LONGEST_STEP = 0.1  # s: short beside the time constants, so that arcs and noise integrals hold
+TYPICAL_SPEED = 0.6  # m/s at command 1 (Duckiebot DB18, duckietown-world pwm_dynamics)
+FIRST_TAU = 0.15  # s, first guess of both time constants (DB18: 0.20 and 0.25 s)
+TAU_SPREAD = 1.5  # log units, prior of the time constants: 0.03 to 0.7 s is one standard deviation
+COMMAND_NOISE = {"q_f": 0.1, "q_t": 0.8}  # m/s/sqrt(s), rad/s/sqrt(s)
+
+
+class CommandMotion:
+    """Wheel commands moved the robot (see `identify_pose.Motion`); `left`, `right` hold from `time` on."""
+
+    mode = BY_COMMANDS
+    noise = COMMAND_NOISE
+
+    def __init__(
+        self, time: FloatArray, left: FloatArray, right: FloatArray, stale_after: float | None
+    ) -> None:
+        self.time, self.left, self.right, self.stale_after = time, left, right, stale_after
+        self.parameters = {
+            "tau_forward": Parameter(float(np.log(FIRST_TAU)), 0.3, TAU_SPREAD),
+            "tau_turn": Parameter(float(np.log(FIRST_TAU)), 0.3, TAU_SPREAD),
+        }
+
+    def with_gains(self, gain: float, axle: float) -> CommandMotion:
+        """Start the gains and the axle length here; return itself."""
+        self.parameters = {
+            "left": Parameter(gain, abs(gain)),
+            "right": Parameter(gain, abs(gain)),
+            "axle": Parameter(axle, axle),
+        } | self.parameters
+        return self
+
+    def times(self, pose_times: FloatArray) -> FloatArray:
+        """Return pose times, changes of command and enough times between."""
+        change = np.flatnonzero((np.diff(self.left) != 0.0) | (np.diff(self.right) != 0.0)) + 1
+        events = [pose_times, self.time[change], self.time[:1]]
+        if self.stale_after is not None:
+            late = np.flatnonzero(np.diff(self.time) > self.stale_after)
+            events += [self.time[late] + self.stale_after, self.time[late + 1]]
+        first, last = pose_times[0], pose_times[-1]
+        times = np.unique(np.concatenate(events))
+        times = times[(times >= first) & (times <= last)]
+        pieces = np.maximum(np.ceil(np.diff(times) / LONGEST_STEP).astype(int), 1)
+        parts = np.arange(int(pieces.sum())) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        inner = np.repeat(times[:-1], pieces) + parts * np.repeat(np.diff(times) / pieces, pieces)
+        return np.unique(np.concatenate([inner, pose_times]))
+
+    def steps(self, times: FloatArray, p: dict[str, float]) -> FloatArray:
+        """Return duration, asked speed and turn rate, and 1 where the command is stale."""
+        held = times[:-1]
+        left, right = held_at(held, self.time, self.left), held_at(held, self.time, self.right)
+        forward, turn = self._asked(left, right, p)
+        steps = np.zeros((len(times), STEP_COLUMNS))
+        steps[1:, 0], steps[1:, 1], steps[1:, 2] = np.diff(times), forward, turn
+        steps[1:, 3] = self._stale(held)
+        return steps
+
+    def constants(self, p: dict[str, float]) -> tuple[float, float]:
+        """Return the time constants [s]; the parameters are their logarithms."""
+        return float(np.exp(np.clip(p["tau_forward"], -8, 4))), float(np.exp(np.clip(p["tau_turn"], -8, 4)))
+
+    def _asked(
+        self, left: FloatArray, right: FloatArray, p: dict[str, float]
+    ) -> tuple[FloatArray, FloatArray]:
+        s_left, s_right = p["left"] * left, p["right"] * right
+        return (s_left + s_right) / 2.0, (s_right - s_left) / p["axle"]
+
+    def _stale(self, times: FloatArray) -> FloatArray:
+        if self.stale_after is None:
+            return (times < self.time[0]).astype(float)
+        row = np.searchsorted(self.time, times + 1e-9, side="right") - 1
+        age = times - self.time[np.maximum(row, 0)]
+        return ((row < 0) | (age >= self.stale_after - 1e-9)).astype(float)
+
+
+class TwistMotion(CommandMotion):
+    """Twist commands moved the robot: `left` holds v [m/s], `right` holds omega [rad/s]; gains g_f, g_t near
+    1.
+    """
+
+    def with_gains(self, gain: float, axle: float) -> TwistMotion:
+        """Start both gains here; return itself."""
+        self.parameters = {
+            "forward_gain": Parameter(gain, abs(gain)),
+            "turn_gain": Parameter(gain, abs(gain)),
+        } | self.parameters
+        return self
+
+    def _asked(
+        self, left: FloatArray, right: FloatArray, p: dict[str, float]
+    ) -> tuple[FloatArray, FloatArray]:
+        return p["forward_gain"] * left, p["turn_gain"] * right
+
+
+def fit_commands(recording: Recording) -> PoseFit:
+    """Fit one recording of commands and poses; raise DataError where it cannot be."""
+    pose = thinned(recording.pose)
+    facts = recording.robot
+    if recording.command is not None:
+        track = recording.command
+        speed = (facts.wheel_radius or 0.0) * (facts.max_wheel_rate or 0.0) or TYPICAL_SPEED
+        nominal = speed if track.unit == "normalized" else facts.wheel_radius or 0.03
+        start = align(_travel(track.time, track.left, track.right, pose, nominal), pose, facts.axle_length)
+        a, b = start.left_sign * track.left, start.right_sign * track.right
+        left, right = (b, a) if start.exchanged else (a, b)
+        motion = CommandMotion(track.time, left, right, track.stale_after).with_gains(start.scale, start.axle)
+        return fit_pose(pose, motion, start)
+    if recording.twist is None:
+        raise DataError("neither commands nor wheels were recorded")
+    twist, axle = recording.twist, facts.axle_length or 0.15
+    left, right = twist.v - twist.omega * axle / 2.0, twist.v + twist.omega * axle / 2.0
+    start = align(_travel(twist.time, left, right, pose, 1.0), pose, axle)
+    return fit_pose(
+        pose, TwistMotion(twist.time, twist.v, twist.omega, twist.stale_after).with_gains(1.0, axle), start
+    )
+
+
+def _travel(time: FloatArray, left: FloatArray, right: FloatArray, pose: PoseTrack, nominal: float) -> Wheels:
+    """Return the integral of held commands as if wheels had followed them at once, for the first guess."""
+    end = max(float(pose.time[-1]), float(time[-1]) + 1e-6)
+    times, left_travel = held_integral(time, left, end)
+    _, right_travel = held_integral(time, right, end)
+    return Wheels(times, left_travel, right_travel, "command", "wheel_gain", "m/s", nominal, nominal)

@@ -1,0 +1,1 @@
+"""Residuals turned into white numbers, the noise that makes them likeliest, and robust weights."""

@@ -1,0 +1,243 @@
+r"""Does a shape without a name do better than the named effect? The contest that a name has to win.
+
+A wrong neighbour of the truth leaves little that stands out (its own numbers and the base robot's take up the rest),
+but a free shape of the right quantity fits better than it does. So the named model is compared with un-named forms
+(`forms.py`), by evidence, at the named model's noise:
+
+    instead = max_k [2 (L_0 + g_k) - c_k] - [2 L_M - k_M ln N]      L_0: the base robot alone, linearised at its re-fit
+    beside  = max_k [2 g_k - k (ln N + 2 ln P)]                     on top of the named model, linearised at its fit
+
+L [1] log-likelihood, g_k what k forms win, chosen one by one, largest score first; N innovations, P forms. The costs:
+c_k = k ln N + 2 (k - 1) ln P; ln N a number (Schwarz, Ann. Stat. 6 (1978) 461), 2 ln P a choice among P (Chen & Chen,
+Biometrika 95 (2008) 759); the first form pays for no choice, as the names pay nothing for theirs.
+Assumes that forms act linearly, which favours the name: its own equation is simulated in full. The base robot is
+re-fitted in full, too: beside the wheels' cross-talk, or where a place makes it slide, it ends far from where the
+named model has it, and what is linearised there misjudges the forms by hundreds. Poses that jump where the robot
+crosses the edge of a disc (`scan_markers.py`) count as one more form beside the name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.ranking import evidence_of
+from fsm_calib.diagnosis.candidates.scan_markers import jump_evidence
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.likelihood.robust import log_kernel, robust_weights
+from fsm_calib.diagnosis.proof.gates import Gates
+from fsm_calib.diagnosis.shapes.forms import forms
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import registry
+
+JUMPS = "the pose's jumps at a place"
+MOST_INSTEAD = 5  # forms that may stand in for an effect
+MOST_BESIDE = 3
+REFIT_STEPS = 8  # of the base robot at the named model's noise
+SWEEPS = 3  # of reweighted least squares
+NEW = 0.02  # of a column's length that the columns before it must leave
+
+
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
+
+    explained : evidence of the name over the base robot; loose : no exact equation can be had (a place, a moment, a
+    robot that turns velocities into wheel commands by a controller of its own); names : how many compete.
+    """
+
+    instead: float
+    instead_quantities: tuple[str, ...]
+    beside: float
+    beside_quantities: tuple[str, ...]
+    explained: float
+    loose: bool = False
+    names: int = 1
+
+    def numbers(self) -> dict[str, float]:
+        """Return the three evidences by name."""
+        return {"instead": self.instead, "beside": self.beside, "explained": self.explained}
+
+    def allowed(self, gates: Gates) -> float:
+        """Return the evidence that forms beside the name may have, since equations are inexact.
+
+        Two exact names may leave hardly any: together they bend to a third law (dry friction and a scrubbing tyre to a
+        dragging caster), and what does not fit is all that tells.
+        """
+        if self.names > 1 and not self.loose:
+            return gates.pair_beside
+        share = gates.loose_share if self.loose else gates.form_share
+        return max(gates.form_beside, share * self.explained)
+
+    def misshapen(self, gates: Gates) -> bool:
+        """Return whether forms add to the name what a right shape would not leave."""
+        return self.beside > self.allowed(gates)
+
+    def surplus(self, gates: Gates) -> float:
+        """Return by how much forms are better without the name than they may be; what they add to it is no argument."""
+        allowed = max(gates.form_instead, gates.instead_share * self.explained)
+        return self.instead - max(self.beside, 0.0) - allowed
+
+    def replaceable(self, gates: Gates) -> bool:
+        """Return whether forms do better without the name."""
+        return self.surplus(gates) >= 0.0
+
+    def reason(self, gates: Gates, name: str) -> str:
+        """Return in words why the name does not win."""
+        if self.misshapen(gates):
+            return (
+                f"{name} comes nearest but has not the right shape: what it leaves depends on "
+                f"{' and '.join(self.beside_quantities)} (evidence {self.beside:.0f})"
+            )
+        return (
+            f"{name} comes nearest, but a plain dependence on {' and '.join(self.instead_quantities)} "
+            f"does as well with fewer numbers (evidence {self.instead:.0f} more)"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """Whitened un-named columns (N, P) and the quantity that each depends on."""
+
+    columns: FloatArray
+    quantities: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """A linearised model: residual (N,), columns (N, m), and priors of the first ones: (offset, spread), 0 for none."""
+
+    residual: FloatArray
+    columns: FloatArray
+    offset: FloatArray
+    spread: FloatArray
+    nu: float
+
+    def with_column(self, column: FloatArray) -> Linear:
+        """Return the model with one more free column."""
+        return replace(
+            self,
+            columns=np.column_stack([self.columns, column]),
+            offset=np.append(self.offset, 0.0),
+            spread=np.append(self.spread, 0.0),
+        )
+
+    def solved(self) -> tuple[FloatArray, FloatArray, float]:
+        """Return residual, distance from the priors' centres, and score (log-likelihood up to a constant, priors
+        included) at the best numbers.
+        """
+        scale = np.maximum(np.linalg.norm(self.columns, axis=0), 1e-12)
+        x, has_prior = self.columns / scale, self.spread > 0.0
+        weight = np.where(has_prior, 1.0 / np.where(has_prior, self.spread, 1.0) ** 2, 0.0)
+        numbers = np.zeros(x.shape[1])
+        for _ in range(SWEEPS):
+            weighted = x * robust_weights(self.residual - x @ numbers, self.nu)[:, None]
+            normal = weighted.T @ x + np.diag(weight / scale**2 + 1e-9)
+            numbers = np.linalg.solve(normal, weighted.T @ self.residual - weight * self.offset / scale)
+        left = self.residual - x @ numbers
+        off = self.offset + numbers / scale
+        return left, off, float(log_kernel(left, self.nu) - 0.5 * np.sum(weight * off * off))
+
+
+def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Contest:
+    """Let un-named forms compete with `effects`, which `fit` adds to `parent`."""
+    named, pool = _linearised(engine, fit)
+    bare, own_pool = named, pool
+    if effects:
+        refitted = engine.fit(parent.values, parent.slots, fit.noise, steps=REFIT_STEPS, refresh=True)
+        bare, own_pool = _linearised(engine, refitted)
+    extra = len(fit.slots) - len(parent.slots)
+    log_n, choice = float(np.log(engine.count)), 2.0 * float(np.log(len(pool.quantities)))
+    score = float(log_kernel(named.residual, named.nu)) - 0.5 * _prior(named)
+    target = 2.0 * score - extra * log_n
+    begun, path = _climb(bare, own_pool, MOST_INSTEAD)
+    instead = [
+        2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
+    ]
+    _, more = _climb(named, pool, MOST_BESIDE)
+    beside = [2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(more)]
+    besides = _or_jumps(_best(beside, more, pool), engine, fit, effects)
+    explained = evidence_of(fit, parent, engine.count)
+    loose = any(registry()[name].scan for name in effects) or any(
+        s.prepared.recording.command is None for s in engine.simulators
+    )
+    return Contest(*_best(instead, path, own_pool), *besides, explained, loose, max(1, len(effects)))
+
+
+def _or_jumps(
+    best: tuple[float, tuple[str, ...]], engine: Engine, fit: Fit, effects: Sequence[str]
+) -> tuple[float, tuple[str, ...]]:
+    """Return the best forms, or jumps of the measured pose at a place where these say more."""
+    if any(registry()[name].jumps for name in effects):  # their own edges are exact to a frame only
+        return best
+    jumps = jump_evidence([s.prepared for s in engine.simulators], fit.simulated, engine.count)
+    return (jumps, (JUMPS,)) if jumps > best[0] else best
+
+
+def _linearised(engine: Engine, fit: Fit) -> tuple[Linear, Pool]:
+    """Return a fitted model and the forms, both linearised where it is."""
+    whiteners = engine.whiteners(fit.noise)
+    model = Linear(
+        engine.residual(whiteners, fit.simulated),
+        engine.white_columns(whiteners, fit.columns),
+        fit.slot_values() - np.array([s.centre for s in fit.slots]),
+        np.array([s.spread for s in fit.slots]),
+        engine.nu,
+    )
+    return model, _pool(
+        [(f.quantity, engine.white_columns(whiteners, f.columns)) for f in forms(engine, fit)]
+    )
+
+
+def _prior(model: Linear) -> float:
+    has = model.spread > 0.0
+    return float(np.sum((model.offset[has] / model.spread[has]) ** 2))
+
+
+def _pool(blocks: Sequence[tuple[str, FloatArray]]) -> Pool:
+    columns = np.hstack([block for _, block in blocks])
+    names = [name for name, block in blocks for _ in range(block.shape[1])]
+    length = np.linalg.norm(columns, axis=0)
+    keep = np.flatnonzero(length > 1e-9)
+    return Pool(columns[:, keep] / length[keep], tuple(names[i] for i in keep))
+
+
+def _climb(model: Linear, pool: Pool, most: int) -> tuple[float, list[tuple[int, float]]]:
+    """Return the score without forms, and form by form (place in the pool, score won so far)."""
+    residual, off, begun = model.solved()
+    path: list[tuple[int, float]] = []
+    for _ in range(most):
+        chosen = _most_promising(model, residual, off, pool)
+        if chosen is None:
+            break
+        model = model.with_column(pool.columns[:, chosen])
+        residual, off, now = model.solved()
+        path.append((chosen, now - begun))
+    return begun, path
+
+
+def _most_promising(model: Linear, residual: FloatArray, off: FloatArray, pool: Pool) -> int | None:
+    """Return the form with the largest score test, priors as rows of data; None where all are spanned already."""
+    root = np.sqrt(robust_weights(residual, model.nu))[:, None]
+    held = np.flatnonzero(model.spread > 0.0)
+    rows = np.zeros((len(held), model.columns.shape[1]))
+    rows[np.arange(len(held)), held] = 1.0 / model.spread[held]
+    stacked = np.vstack([root * model.columns, rows])
+    spanned, _ = np.linalg.qr(stacked / np.maximum(np.linalg.norm(stacked, axis=0), 1e-12))
+    weighted = np.vstack([root * pool.columns, np.zeros((len(held), pool.columns.shape[1]))])
+    free = weighted - spanned @ (spanned.T @ weighted)
+    length = np.linalg.norm(free, axis=0)
+    error = np.concatenate([root[:, 0] * residual, -off[held] / model.spread[held]])
+    score = np.where(length > NEW, np.abs(free.T @ error) / np.maximum(length, NEW), 0.0)
+    return int(np.argmax(score)) if score.any() else None
+
+
+def _best(
+    evidence: Sequence[float], path: Sequence[tuple[int, float]], pool: Pool
+) -> tuple[float, tuple[str, ...]]:
+    if not path:
+        return -np.inf, ()
+    last = int(np.argmax(evidence))
+    return float(evidence[last]), tuple(dict.fromkeys(pool.quantities[i] for i, _ in path[: last + 1]))

@@ -1,0 +1,47 @@
+"""Do the poses show it? A mismatch without a name counts only where the robot's path differs, too.
+
+Encoders are finer than any tracker: they see a wheel follow its tyre a few milliseconds late while the path is that of
+the base robot to within its noise. With a name such a finding can be modelled; without one it would only be alarm. So
+the encoders are left out, the base robot is fitted again, and what is left in the poses is asked the two questions
+that reveal a mismatch: does it depend on anything (`adequacy.py`), does a form without a name explain it
+(`contest.py`)? Assumes that whole poses are measured: where headings alone are, encoders are all that tells the way,
+and recordings without encoders have been judged by their poses already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.proof.form_test import contest
+from fsm_calib.diagnosis.proof.gates import Gates, adequacy
+from fsm_calib.diagnosis.replay.simulator import Simulator
+from fsm_calib.diagnosis.replay.situation import situations_of
+from fsm_calib.diagnosis.shapes.features import feature_groups
+from fsm_calib.diagnosis.shapes.score_tests import left_over
+
+OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn; not the wheels
+
+
+def shown_in_poses(simulators: Sequence[Simulator], gates: Gates) -> bool:
+    """Return whether poses alone differ from a base robot re-fitted to them; True where they cannot be asked alone."""
+    prepared = [s.prepared for s in simulators]
+    if not any(p.has_encoders for p in prepared) or not all(p.poses.placed for p in prepared):
+        return True
+    engine = Engine(tuple(without_encoders(s) for s in simulators))
+    base = fit_base(engine)
+    if contest(engine, base, base, []).misshapen(gates):
+        return True
+    groups = feature_groups(situations_of(engine.simulators, base.values))
+    left = adequacy(left_over(engine, base, groups), 0.0)
+    return left.surprise > gates.unexplained_surprise
+
+
+def without_encoders(simulator: Simulator) -> Simulator:
+    """Return the replay of a recording whose wheel angles nobody has read."""
+    prepared = simulator.prepared
+    return replace(simulator, prepared=replace(prepared, seen=prepared.seen & OF_POSES))

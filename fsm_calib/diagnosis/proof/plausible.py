@@ -1,0 +1,108 @@
+"""Is a fitted effect what its name says? A place is left again, a size is one that occurs, an event was seen.
+
+Without the first an area that grows over the whole floor stands in for what acts everywhere (a rough floor for dry
+friction, a turned marker for a turned sensor), with as good a likelihood as theirs. Without the second a warming
+motor that is to lose more than half of its strength stands in for a battery that sags, as a slow exponential is a
+straight line. A motor that fails for half a second stands in for a push; and where no poses were taken, or in the last
+moments of a recording, what wandered while nobody looked stands in for one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.replay.simulator import Simulator
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
+
+AT_BOUND = 1e-4  # of the range between the bounds: nearer, a number rests there
+SHORTEST_SPAN = 2.0  # s: within it a robot is pushed and brought back by its motors
+LONGEST_BLINK = 0.5  # s between poses: a push and what the motors make of it take no longer
+LEAST_INSIDE = 0.5  # s of driving: a few outliers in a row are no place
+SECOND_STAY = 0.2  # s: a few poses
+MOST_INSIDE = 0.7  # of the driving time; by the same token a place needs a third of the drive to compare with
+
+
+def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether an effect has a size and, if it is one, a place that its name stands for."""
+    return (
+        has_size(ranked) and lasts(ranked) and is_seen(ranked, simulators) and is_crossed(ranked, simulators)
+    )
+
+
+def has_size(ranked: Ranked) -> bool:
+    """Return whether strengths are large enough to be told, and none rests at a bound short of where nature ends."""
+    table, effect = parameter_table(), registry()[ranked.name]
+    for name in ranked.hypothesis.names:
+        p = effect.parameter(name)
+        if not p.strength:
+            continue
+        values = ranked.fit.values[:, table.place(f"{ranked.name}.{name}")]
+        ends = [end for end in (p.low, *([] if p.natural_end else [p.high])) if end != p.null]
+        if np.any(np.abs(values - p.null) < p.least):
+            return False
+        if any(np.any(np.abs(values - end) < AT_BOUND * (p.high - p.low)) for end in ends):
+            return False
+    return True
+
+
+def lasts(ranked: Ranked) -> bool:
+    """Return whether a span of time is longer than a push; True for other effects."""
+    full = f"{ranked.name}.duration"
+    if "duration" not in ranked.hypothesis.names:
+        return True
+    return float(ranked.fit.values[ranked.hypothesis.run, parameter_table().place(full)]) >= SHORTEST_SPAN
+
+
+def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether poses were taken while a momentary event began, and for a while after; True for other effects."""
+    if registry()[ranked.name].scan != "time" or "duration" in ranked.hypothesis.names:
+        return True
+    run = ranked.hypothesis.run
+    start = float(ranked.fit.values[run, parameter_table().place(f"{ranked.name}.start")])
+    time = simulators[run].prepared.poses.time
+    after = int(np.searchsorted(time, start))
+    if after == 0 or start > time[-1] - SHORTEST_SPAN:
+        return False
+    return float(time[after] - time[after - 1]) <= LONGEST_BLINK
+
+
+def is_crossed(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether the robot drove on the place for a while, and beside it as well; True for other effects.
+
+    One short stay is a moment as much as a place: it takes a second one, or a stay that is longer than a push.
+    """
+    if registry()[ranked.name].scan != "place":
+        return True
+    stays, total = [0.0], 0.0
+    for simulator, values in zip(simulators, ranked.fit.values, strict=True):
+        p = simulator.prepared
+        driven = p.dt * p.moving
+        total += float(np.sum(driven))
+        stays += stays_in(in_place(ranked.name, values, p.reference), driven)
+    inside, longest = sum(stays), max(stays)
+    again = longest >= SHORTEST_SPAN or inside - longest >= SECOND_STAY
+    return again and LEAST_INSIDE <= inside <= MOST_INSIDE * total
+
+
+def stays_in(inside: np.ndarray, driven: FloatArray) -> list[float]:
+    """Return how long [s] each stay lasted; inside : (n,) bool, driven : (n,) time driven up to each event [s]."""
+    entered = inside & ~np.concatenate([[False], inside[:-1]])
+    return [float(t) for t in np.bincount(np.cumsum(entered)[inside], driven[inside])[1:]]
+
+
+def in_place(name: str, values: FloatArray, path: FloatArray) -> np.ndarray:
+    """Return which points of `path` (n, 2 or more) [m] lie in the area of a place effect with parameters (p,)."""
+    table = parameter_table()
+    numbers = {p.name: float(values[table.place(f"{name}.{p.name}")]) for p in registry()[name].parameters}
+    x, y = path[:, 0] - numbers["x"], path[:, 1] - numbers["y"]
+    if "radius" in numbers:
+        return np.asarray(np.hypot(x, y) < numbers["radius"])
+    x, y = x / numbers["half_x"], y / numbers["half_y"]
+    if numbers.get("roundness", 0.0) > 0.0:
+        return np.asarray(np.hypot(x, y) < 1.0)
+    return np.asarray((np.abs(x) < 1.0) & (np.abs(y) < 1.0))

@@ -1,0 +1,211 @@
+"""Replay: what the roll-out says a recording's sensors should have seen, as increments from event to event."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE, NOMINAL_RADIUS, Prepared
+from fsm_calib.errors import DataError
+from fsm_calib.recording.recording import Recording
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.observation import observe, robot_time
+from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.rollout import Drive, active_flags, simulate_many
+
+NOMINAL_WHEEL_RATE = (
+    20.0  # rad/s at command 1: Duckietown DB18 on its nominal battery (27 is the unloaded motor)
+)
+LEAD_TIME = 1.2  # s simulated before the first event, so that a delayed command and a moving start are known
+GRID_STEP = 0.01  # s between stored states; cubic interpolation in between
+LOWEST_INPUT_LAG = 0.005  # s: measured wheel speeds need no motor
+
+
+@dataclass(frozen=True, eq=False)
+class Simulator:
+    """One recording's commands, sample times and exogenous track, ready to be rolled out again and again.
+
+    measured_input : the drive is made of measured wheel speeds, not of commands. full_speed [m/s]: rim speed of
+    command 1. world: physics that the simulation has beyond the base robot, values by full name.
+    """
+
+    prepared: Prepared
+    drive: Drive
+    grid: FloatArray
+    track: FloatArray
+    full_speed: float
+    measured_input: bool
+    world: Mapping[str, float] = field(default_factory=dict)
+
+    def increments(self, values: FloatArray) -> FloatArray:
+        """Return increments (forward, left [m], turn, wheel left, right [rad]) of k parameter vectors.
+
+        Parameters
+        ----------
+        values : array, shape (k, p)
+
+        Returns
+        -------
+        array, shape (k, n, 5)
+            In the sensor's own frame at the event before, as `Prepared.step`; row 0 is zero.
+        """
+        p = self.prepared
+        start = p.reference[0]
+        states = simulate_many(values, self.drive, self.grid, start, self.track, p.settings.simulation_step)
+        out = np.empty((len(values), len(p.time), 5))
+        for i, vector in enumerate(values):
+            seen_at = np.ascontiguousarray(robot_time(vector, p.time)) if _acts(vector, "clock") else p.time
+            sample_increments(states[i], self.grid[0], GRID_STEP, seen_at, p.time, out[i])
+            through_sensor(vector, p.reference, out[i])
+        return out
+
+
+def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray) -> None:
+    """Turn the robot's increments into the sensor's: s' = c(k-1)^-1 s c(k), c = sensor pose seen from the robot.
+
+    Place is taken from the reference path, so that open-loop drift does not matter.
+    """
+    if _acts(vector, "observe"):
+        mount_and_compose(reference, observe(vector, reference, reference[:, :2]), out)
+
+
+@cache
+def _with_hook(hook: str) -> NDArray[np.bool_]:
+    """Return one flag an effect: whether it has a hook."""
+    return np.array([hook in effect.hooks for effect in registry().values()])
+
+
+def _acts(vector: FloatArray, hook: str) -> bool:
+    """Return whether an effect with a hook is switched on: `clock`, or `observe` between robot and sensor."""
+    return bool((active_flags(vector) & _with_hook(hook)).any())
+
+
+@njit(cache=True)
+def mount_and_compose(robot, sensor, out):  # type: ignore[no-untyped-def]
+    """Replace robot increments `out` (n, 5) by a sensor's whose poses are `sensor` when the robot's are `robot`."""
+    n = len(out)
+    c = np.empty((n, 3))
+    for k in range(n):
+        cs, sn = np.cos(robot[k, 2]), np.sin(robot[k, 2])
+        dx, dy = sensor[k, 0] - robot[k, 0], sensor[k, 1] - robot[k, 1]
+        c[k, 0], c[k, 1] = cs * dx + sn * dy, cs * dy - sn * dx
+        c[k, 2] = sensor[k, 2] - robot[k, 2]
+    for k in range(n - 1, 0, -1):
+        cs, sn = np.cos(out[k, 2]), np.sin(out[k, 2])
+        x = out[k, 0] + cs * c[k, 0] - sn * c[k, 1] - c[k - 1, 0]
+        y = out[k, 1] + sn * c[k, 0] + cs * c[k, 1] - c[k - 1, 1]
+        cs, sn = np.cos(c[k - 1, 2]), np.sin(c[k - 1, 2])
+        out[k, 0], out[k, 1] = cs * x + sn * y, cs * y - sn * x
+        out[k, 2] += c[k, 2] - c[k - 1, 2]
+
+
+@njit(cache=True)
+def sample_increments(states, begin, step, pose_time, wheel_time, out):  # type: ignore[no-untyped-def]
+    """Fill `out` (n, 5) with increments between the states at the given times (cubic Hermite interpolation).
+
+    states : (g, 12), `rollout.COLUMNS`, every `step` [s] from `begin` [s].
+    """
+    last = len(states) - 2
+    px = py = pt = pl = pr = 0.0
+    for k in range(len(pose_time)):
+        place = (pose_time[k] - begin) / step
+        i = min(max(int(place), 0), last)
+        u = place - i
+        h10, h11 = u * (1 - u) ** 2 * step, u * u * (u - 1) * step
+        h01 = u * u * (3 - 2 * u)
+        a, b = states[i], states[i + 1]
+        ca, sa, cb, sb = np.cos(a[2]), np.sin(a[2]), np.cos(b[2]), np.sin(b[2])
+        x = a[0] + h01 * (b[0] - a[0]) + h10 * (ca * a[3] - sa * a[4]) + h11 * (cb * b[3] - sb * b[4])
+        y = a[1] + h01 * (b[1] - a[1]) + h10 * (sa * a[3] + ca * a[4]) + h11 * (sb * b[3] + cb * b[4])
+        t = a[2] + h01 * (b[2] - a[2]) + h10 * a[5] + h11 * b[5]
+        place = (wheel_time[k] - begin) / step
+        i = min(max(int(place), 0), last)
+        u = place - i
+        left = states[i, 6] + u * (states[i + 1, 6] - states[i, 6])
+        right = states[i, 7] + u * (states[i + 1, 7] - states[i, 7])
+        if k == 0:
+            out[0, :] = 0.0
+        else:
+            c, s = np.cos(pt), np.sin(pt)
+            out[k, 0] = c * (x - px) + s * (y - py)
+            out[k, 1] = c * (y - py) - s * (x - px)
+            out[k, 2] = t - pt
+            out[k, 3] = left - pl
+            out[k, 4] = right - pr
+        px, py, pt, pl, pr = x, y, t, left, right
+
+
+def make_simulator(prepared: Prepared, world: Mapping[str, float] | None = None) -> Simulator:
+    """Return the simulator of a recording; `world` is physics that it has beyond the base robot, by full name.
+
+    Raises
+    ------
+    DataError
+        The recording has neither commands nor wheel speeds.
+    """
+    recording = prepared.recording
+    full = full_speed(recording)
+    drive, measured = drive_of(recording, full)
+    grid = np.arange(prepared.time[0] - LEAD_TIME, prepared.time[-1] + 2 * GRID_STEP, GRID_STEP)
+    return Simulator(prepared, drive, grid, track_of(prepared), full, measured, dict(world or {}))
+
+
+def track_of(prepared: Prepared) -> FloatArray:
+    """Return time [s], x, y [m], theta [rad] of the path, and the wheels' angles [rad] where they were measured."""
+    track = prepared.track.poses()
+    if not prepared.has_encoders:
+        return track
+    angles = np.cumsum(prepared.step[:, 3:], axis=0)
+    turned = [np.interp(prepared.track.time, prepared.time, angles[:, side]) for side in range(2)]
+    return np.column_stack([track, *turned])
+
+
+def full_speed(recording: Recording) -> float:
+    """Return the nominal rim speed [m/s] of command 1."""
+    robot = recording.robot
+    return (robot.max_wheel_rate or NOMINAL_WHEEL_RATE) * (robot.wheel_radius or NOMINAL_RADIUS)
+
+
+def drive_of(recording: Recording, full: float) -> tuple[Drive, bool]:
+    """Return the wheel commands in units of command 1, and whether they are measured wheel speeds instead."""
+    robot = recording.robot
+    half = 0.5 * (robot.axle_length or NOMINAL_AXLE)
+    radius = robot.wheel_radius or NOMINAL_RADIUS
+    if recording.command is not None:
+        track = recording.command
+        unit = 1.0 if track.unit == "normalized" else radius / full
+        return Drive(track.time, track.left * unit, track.right * unit), False
+    if recording.twist is not None:
+        twist = recording.twist
+        turn = half * twist.omega
+        return Drive(twist.time, (twist.v - turn) / full, (twist.v + turn) / full), False
+    for pair, scale in ((recording.wheel_rate, radius), (recording.wheel_speed, 1.0)):
+        if pair is not None:
+            return Drive(pair.time, pair.left * scale / full, pair.right * scale / full), True
+    raise DataError(
+        f"{recording.source or robot.name}: neither commands nor wheel speeds were recorded",
+        cure="Log the wheel commands, or the encoders' rates.",
+    )
+
+
+def nominal_values(simulators: Sequence[Simulator]) -> FloatArray:
+    """Return the parameter vector of the robot as its manifest states it, with the effects that its world has."""
+    table = parameter_table()
+    robot = simulators[0].prepared.recording.robot
+    values = table.null
+    for name, value in simulators[0].world.items():
+        values[table.place(name)] = value
+    for side in ("left", "right"):
+        values[table.place(f"gain_{side}")] = simulators[0].full_speed
+        values[table.place(f"wheel_radius_{side}")] = robot.wheel_radius or NOMINAL_RADIUS
+    values[table.place("axle_length")] = robot.axle_length or NOMINAL_AXLE
+    if simulators[0].measured_input:
+        values[table.place("tau_forward")] = LOWEST_INPUT_LAG
+        values[table.place("tau_turn")] = LOWEST_INPUT_LAG
+    return values

@@ -1,0 +1,107 @@
+r"""Is anything left over? A score test of feature groups after a fit.
+
+For a group with whitened features X (fitted Jacobian projected out) and robustly weighted residual psi of unit
+variance, Q = |X' psi|^2 is under "nothing is left" a weighted sum of chi-squares with the eigenvalues of X'X as
+weights. Its tail is taken from a scaled chi-square with the same mean and variance (Satterthwaite 1946). The test has
+one degree of strength for a whole family of shapes: the score test of a variance component (Lin, Biometrika 84 (1997)
+309), no fit of anything is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.likelihood.robust import Whitener, log_kernel, robust_weights
+from fsm_calib.diagnosis.shapes.features import Group
+from fsm_calib.types import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOver:
+    """The test of one group: surprise = -log10 p; gain = log-likelihood that its features could still win."""
+
+    group: Group
+    surprise: float
+    gain: float
+    coefficients: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """The whitened residual of a fit, ready for score tests.
+
+    white : (N,) the residual itself; psi : (N,) the same, robust, of unit variance; basis : (N, m) orthonormal
+    columns of the fitted Jacobian.
+    """
+
+    white: FloatArray
+    psi: FloatArray
+    basis: FloatArray
+    whiteners: tuple[Whitener, ...]
+    engine: Engine
+
+
+def residual_of(engine: Engine, fit: Fit) -> Residual:
+    """Whiten a fit's residual and orthonormalise its Jacobian."""
+    whiteners = engine.whiteners(fit.noise)
+    white = engine.residual(whiteners, fit.simulated)
+    psi = white * robust_weights(white, engine.nu)
+    columns = engine.white_columns(whiteners, fit.columns)
+    basis, _ = np.linalg.qr(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300))
+    return Residual(white, psi / max(float(psi.std()), 1e-12), basis, tuple(whiteners), engine)
+
+
+def project(residual: Residual, columns: Sequence[FloatArray]) -> FloatArray:
+    """Return columns whitened (N, m), without what the fitted parameters can do."""
+    return free_part(residual, residual.engine.white_columns(residual.whiteners, columns))
+
+
+def free_part(residual: Residual, white: FloatArray) -> FloatArray:
+    """Return whitened columns (N, m) without what the fitted parameters can do."""
+    return white - residual.basis @ (residual.basis.T @ white)
+
+
+def winnings(residual: Residual, changes: FloatArray) -> FloatArray:
+    """Return the log-likelihood (m,) that whitened changes (N, m) win as they stand, the base re-fitted linearly.
+
+    A score test sees no more of an outlier than the robust weights leave; an event or a slide that makes outliers is
+    judged by the densities themselves. The base is re-fitted with the weights of the residual before the change.
+    """
+    nu = residual.engine.nu
+    weighted = residual.basis * robust_weights(residual.white, nu)[:, None]
+    left = residual.white[:, None] - changes
+    fitted = left - residual.basis @ np.linalg.solve(weighted.T @ residual.basis, weighted.T @ left)
+    after = np.maximum(log_kernel(left, nu), log_kernel(fitted, nu))
+    return after - log_kernel(residual.white, nu)
+
+
+def test_group(residual: Residual, group: Group) -> LeftOver:
+    """Return how surprising the residual's dependence on a group is."""
+    return test_columns(residual, group, project(residual, group.columns))
+
+
+def test_columns(residual: Residual, group: Group, x: FloatArray) -> LeftOver:
+    """Test a group whose whitened, projected columns `x` (N, m) are at hand."""
+    scores = x.T @ residual.psi
+    gram = x.T @ x
+    mean, variance = float(np.trace(gram)), 2.0 * float(np.sum(gram * gram))
+    if variance <= 0.0:
+        return LeftOver(group, 0.0, 0.0, np.zeros(x.shape[1]))
+    scale = variance / (2.0 * mean)
+    log_p = float(chi2.logsf(float(scores @ scores) / scale, mean / scale))
+    ridge = 1e-3 * mean / len(gram)
+    coefficients = np.asarray(np.linalg.solve(gram + ridge * np.eye(len(gram)), scores), dtype=float)
+    gain = 0.5 * float(scores @ coefficients) - 0.5 * len(gram)
+    return LeftOver(group, -log_p / np.log(10.0), gain, coefficients)
+
+
+def left_over(engine: Engine, fit: Fit, groups: Sequence[Group]) -> list[LeftOver]:
+    """Return the tests of all groups, most surprising first."""
+    residual = residual_of(engine, fit)
+    tests = [test_group(residual, group) for group in groups]
+    return sorted(tests, key=lambda test: -test.surprise)

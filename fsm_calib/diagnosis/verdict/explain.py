@@ -1,0 +1,192 @@
+"""From a decision to the verdict a person reads: names, numbers with intervals, sets, sentences, the next manoeuvre."""
+
+from __future__ import annotations
+
+import math
+
+from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
+from fsm_calib.diagnosis.likelihood.noise import NOISE_NAMES
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, indistinguishable
+from fsm_calib.diagnosis.proof.heldout import Comparison
+from fsm_calib.diagnosis.verdict.decide import Decision
+from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
+from fsm_calib.diagnosis.verdict.posterior import confidence, joint_confidence
+from fsm_calib.diagnosis.verdict.systematic_error import with_doubt
+from fsm_calib.diagnosis.verdict.verdict import ErrorTriple, Estimate, Located, NamedEffect, Rival, Verdict
+from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import parameter_table
+
+MANOEUVRE_MENU = (
+    "straights at three speeds both ways, spins at three rates, a slalom, "
+    "and the suspected place on two headings"
+)
+
+
+def verdict_of(
+    decision: Decision,
+    train: Comparison,
+    holdout: Comparison | None,
+    *,
+    horizon: float,
+    gates: Gates = DEFAULT_GATES,
+) -> Verdict:
+    """Put a decision and its proof into the contract's values."""
+    named = decision.outcome == "explained"
+    effects = decision.model.effects if named else ()
+    sets = ambiguous_sets(decision, gates)
+    return Verdict(
+        verdict=decision.outcome,
+        effects=tuple(_named(e, decision, i, sets, gates) for i, e in enumerate(effects)),
+        ambiguous=sets,
+        located=located(decision),
+        horizon=horizon,
+        train=ErrorTriple(train.before, train.after, train.floor),
+        holdout=None if holdout is None else ErrorTriple(holdout.before, holdout.after, holdout.floor),
+        rivals=rivals(decision),
+        next_manoeuvre=next_manoeuvre(decision, sets),
+        reason=decision.reason,
+        base=base_estimates(decision.model.fit),
+        noise=dict(zip(NOISE_NAMES, map(float, decision.model.fit.noise.vector()), strict=True)),
+        family=family_of(decision),
+        unnamed=decision.model.contest.numbers() if decision.model.contest else {},
+        smallest_seen=_smallest(decision, gates) if decision.outcome == "match" else {},
+        seconds=dict(decision.seconds),
+    )
+
+
+def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
+    """Return the effect's numbers; those that belong to a recording carry its number after the name.
+
+    A choice that was tried, not fitted, is among them where it is not the usual one, without a spread.
+    """
+    table, effect = parameter_table(), registry()[ranked.name]
+    chosen = {p.name: float(fit.values[0, table.place(f"{ranked.name}.{p.name}")]) for p in effect.choices}
+    found = {
+        p.name: Estimate(chosen[p.name], math.nan, p.unit) for p in effect.choices if chosen[p.name] != p.null
+    }
+    for slot, value, variance in fit.numbers():
+        if table.owner[slot.place] != ranked.name:
+            continue
+        entry = table.entries[slot.place]
+        shared = slot.run == ALL_RUNS or ranked.hypothesis.run != ALL_RUNS
+        name = entry.name if shared else f"{entry.name}_{slot.run + 1}"
+        found[name] = Estimate(value, with_doubt(effect, entry.name, value, variance), entry.unit)
+    return found
+
+
+def base_estimates(fit: Fit) -> dict[str, Estimate]:
+    """Return the base robot's fitted numbers."""
+    table = parameter_table()
+    found = {}
+    for slot, value, variance in fit.numbers():
+        if table.owner[slot.place] == "":
+            spread, unit = math.sqrt(max(variance, 0.0)), table.entries[slot.place].unit
+            found[table.names[slot.place]] = Estimate(value, spread, unit)
+    return found
+
+
+def sentence(effect: Effect, numbers: dict[str, Estimate]) -> str:
+    """Return the effect's sentence with its numbers."""
+    said = {}
+    for p in effect.parameters:
+        e = numbers.get(p.name) or numbers.get(f"{p.name}_1") or Estimate(p.null, math.nan, p.unit)
+        unit = "" if e.unit == "1" else f" {e.unit}"
+        spread = f" ± {e.sd:.1g}" if math.isfinite(e.sd) else ""
+        said[p.name] = f"{e.value:.3g}{spread}{unit}"
+    return effect.sentence.format(**said)
+
+
+def _named(
+    ranked: Ranked, decision: Decision, order: int, sets: tuple[tuple[str, ...], ...], gates: Gates
+) -> NamedEffect:
+    """Return the effect with its numbers; one of a set that cannot be told apart is as sure as the whole set."""
+    effect = registry()[ranked.name]
+    numbers = estimates(ranked, decision.model.fit)
+    pool = decision.ranking if order == 0 else decision.second_ranking
+    names = next((names for names in sets if order == 0 and ranked.name in names), ())
+    if names:
+        sure = joint_confidence(names, pool, decision.model, gates)
+    else:
+        sure = confidence(ranked.name, ranked.evidence, pool, decision.model, gates)
+    return NamedEffect(ranked.name, sure, numbers, sentence(effect, numbers))
+
+
+def ambiguous_sets(decision: Decision, gates: Gates) -> tuple[tuple[str, ...], ...]:
+    """Return the sets of names that the data cannot tell apart, largest evidence first."""
+    if decision.outcome != "explained":
+        return ()
+    names = indistinguishable(decision.ranking, gates)
+    if len(decision.model.effects) > 1 and decision.model.effects[0].name not in names:
+        return ()
+    names = [n for n in names if n not in {e.name for e in decision.model.effects[1:]}]
+    return (tuple(names),) if len(names) > 1 else ()
+
+
+def rivals(decision: Decision) -> tuple[Rival, ...]:
+    """Return the next five names and the evidence that they lack."""
+    if not decision.ranking:
+        return ()
+    top = decision.ranking[0]
+    skip = {e.name for e in decision.model.effects}
+    return tuple(Rival(r.name, top.evidence - r.evidence) for r in decision.ranking if r.name not in skip)[:5]
+
+
+def family_of(decision: Decision) -> str:
+    """Return the family that an unexplained mismatch resembles most; empty when nothing comes near."""
+    if decision.outcome != "unexplained" or not decision.model.effects:
+        return ""
+    return registry()[decision.model.effects[0].name].family
+
+
+def next_manoeuvre(decision: Decision, sets: tuple[tuple[str, ...], ...]) -> str:
+    """Return the drive that would settle what is open."""
+    if sets:
+        first, *others = sets[0]
+        effect = registry()[first]
+        return f"To tell {first} from {' or '.join(others)}: {effect.manoeuvre} ({effect.separates})."
+    if decision.outcome == "explained":
+        return f"To confirm: {registry()[decision.model.effects[0].name].manoeuvre}."
+    if decision.outcome == "unexplained":
+        return f"Drive {MANOEUVRE_MENU}, so that what it depends on stands out."
+    return f"None is needed; for smaller effects drive longer: {MANOEUVRE_MENU}."
+
+
+def located(decision: Decision) -> Located:
+    """Return the location, made sharper by the named effect's own place and time."""
+    place, when = decision.location.where, decision.location.when
+    channels = list(decision.location.channels)
+    if decision.outcome == "match":
+        return Located(p_value=decision.location.p_value)
+    for ranked in decision.model.effects if decision.outcome == "explained" else ():
+        effect = registry()[ranked.name]
+        numbers = estimates(ranked, decision.model.fit)
+        channels += [c for c in effect.channels if c == "sensor" and c not in channels]
+        if effect.scan == "place":
+            size = numbers.get("radius") or Estimate(
+                min(numbers["half_x"].value, numbers["half_y"].value), math.nan, "m"
+            )
+            place = {"x": numbers["x"].value, "y": numbers["y"].value, "radius": size.value}
+        if effect.scan == "time":
+            start = numbers["start"].value
+            length = numbers["duration"].value if "duration" in numbers else effect.parameter("duration").null
+            when = ((round(start, 3), round(start + length, 3)),)
+    channels = channels or list(
+        registry()[decision.model.effects[0].name].channels if decision.model.effects else ()
+    )
+    return Located(
+        tuple(channels), when, place, decision.location.states, _regime(decision), decision.location.p_value
+    )
+
+
+def _regime(decision: Decision) -> str:
+    if decision.outcome == "explained":
+        words = [r.replace("_", " ") for e in decision.model.effects for r in registry()[e.name].regimes]
+        return ", ".join(dict.fromkeys(words))
+    return decision.location.regime
+
+
+def _smallest(decision: Decision, gates: Gates) -> dict[str, Estimate]:
+    sizes = smallest_sizes(decision, gates.detect)
+    return {f"{name}.{p}": Estimate(size, math.nan, unit) for name, (p, size, unit) in sizes.items()}

@@ -1,0 +1,142 @@
+"""The answer of a diagnosis, as values; `as_json` is the contract of `diagnose --json`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from fsm_calib.diagnosis.proof.windows import HorizonError
+
+VerdictName = Literal["match", "explained", "unexplained"]
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A number with its standard deviation and unit; sd is nan when the data cannot tell."""
+
+    value: float
+    sd: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class NamedEffect:
+    """One effect that was left out: how sure, its numbers, a sentence.
+
+    confidence : probability that the name is right, or, where it stands in a set of `Verdict.ambiguous`, that one of
+    the set is.
+    """
+
+    name: str
+    confidence: float
+    parameters: dict[str, Estimate]
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Located:
+    """Where the mismatch shows; see `locate.Location`."""
+
+    channels: tuple[str, ...] = ()
+    when: tuple[tuple[float, float], ...] = ()
+    where: dict[str, float] | None = None
+    states: tuple[str, ...] = ()
+    regime: str = ""
+    p_value: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorTriple:
+    """Errors over the horizon: base re-fitted, with the effects, noise alone."""
+
+    before: HorizonError
+    after: HorizonError
+    floor: HorizonError
+
+
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """Another explanation and how much evidence it lacks to the first."""
+
+    name: str
+    evidence_gap: float
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """All that `diagnose` says; unnamed : evidence of forms without a name against the effects (`contest.py`)."""
+
+    verdict: VerdictName
+    effects: tuple[NamedEffect, ...]
+    ambiguous: tuple[tuple[str, ...], ...]
+    located: Located
+    horizon: float
+    train: ErrorTriple
+    holdout: ErrorTriple | None
+    rivals: tuple[Rival, ...]
+    next_manoeuvre: str
+    reason: str
+    base: dict[str, Estimate]
+    noise: dict[str, float]
+    family: str = ""
+    unnamed: dict[str, float] = field(default_factory=dict)
+    smallest_seen: dict[str, Estimate] = field(default_factory=dict)
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return plain values; numbers that are not finite become null."""
+        return {
+            "verdict": self.verdict,
+            "reason": self.reason,
+            "effects": [
+                {
+                    "name": e.name,
+                    "confidence": _number(e.confidence),
+                    "parameters": _estimates(e.parameters),
+                    "sentence": e.sentence,
+                }
+                for e in self.effects
+            ],
+            "ambiguous": [list(group) for group in self.ambiguous],
+            "family": self.family or None,
+            "located": {
+                "channels": list(self.located.channels),
+                "when": [list(span) for span in self.located.when],
+                "where": self.located.where,
+                "states": list(self.located.states),
+                "regime": self.located.regime,
+                "p_value": _number(self.located.p_value),
+            },
+            "fit": {
+                "horizon_s": self.horizon,
+                "holdout": _triple(self.holdout),
+                "train": _triple(self.train),
+                "base": _estimates(self.base),
+                "noise": {name: _number(value) for name, value in self.noise.items()},
+            },
+            "rivals": [{"name": r.name, "evidence_gap": _number(r.evidence_gap)} for r in self.rivals],
+            "unnamed": {name: _number(value) for name, value in self.unnamed.items()},
+            "next_manoeuvre": self.next_manoeuvre,
+            "smallest_seen": _estimates(self.smallest_seen),
+            "seconds": _number(sum(self.seconds.values())),
+            "seconds_by_part": {name: _number(value) for name, value in self.seconds.items()},
+        }
+
+
+def _number(value: float) -> float | None:
+    return float(f"{value:.6g}") if math.isfinite(value) else None
+
+
+def _estimates(estimates: dict[str, Estimate]) -> dict[str, Any]:
+    return {
+        name: {"value": _number(e.value), "sd": _number(e.sd), "unit": e.unit}
+        for name, e in estimates.items()
+    }
+
+
+def _triple(triple: ErrorTriple | None) -> dict[str, Any] | None:
+    if triple is None:
+        return None
+    rows = {"before": triple.before, "after": triple.after, "floor": triple.floor}
+    return {name: {"xy_m": _number(e.xy_m), "theta_rad": _number(e.theta_rad)} for name, e in rows.items()}
