@@ -24,6 +24,7 @@ COMMAND_MODULES: tuple[str, ...] = (
     "extrinsics",
     "diagnosis",
     "study",
+    "begin",
 )
 """Modules of `fsm_calib.commands` with `register(app)`; each adds its commands to the command line."""
 
@@ -84,9 +85,10 @@ def validate(
     """Check a scenario or a study: every error at once, each with file:line:column."""
     from fsm_calib.scenario.load import scenario_from
     from fsm_calib.scenario.yaml_source import read_yaml
+    from fsm_calib.shipped import scenario_path
     from fsm_calib.study.load import is_study, study_from
 
-    document = read_yaml(scenario)
+    document = read_yaml(scenario_path(scenario))
     if is_study(document):
         study = study_from(document)
         typer.echo(f"{scenario}: valid ({study.name}: a study of {study.robots} robots)")

@@ -21,7 +21,7 @@ ROOMS = {
     "recording": GROUND | {"perception"},
     "diagnosis": GROUND | {"recording", "world2d"},
 }
-COMPOSERS = {"scenario", "runner", "journal", "report", "study", "cli", "commands"}
+COMPOSERS = {"scenario", "runner", "journal", "report", "study", "cli", "commands", "shipped", "demo"}
 HOMES = {
     "pymunk": {"world2d"},
     "transitions": {"machines"},

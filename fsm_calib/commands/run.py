@@ -22,7 +22,9 @@ def register(app: typer.Typer) -> None:
 
 
 def run(
-    scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)],
+    scenario: Annotated[
+        Path, typer.Argument(help="A scenario file, or the name of one that is shipped.", show_default=False)
+    ],
     out: Annotated[
         Path | None, typer.Option(help="Where files go (default: out).", show_default=False)
     ] = None,
@@ -61,9 +63,10 @@ def read_scenario(path: Path) -> Scenario:
     """
     from fsm_calib.scenario.load import scenario_from
     from fsm_calib.scenario.yaml_source import read_yaml
+    from fsm_calib.shipped import scenario_path
     from fsm_calib.study.load import is_study
 
-    document = read_yaml(path)
+    document = read_yaml(scenario_path(path))
     if is_study(document):
         cure = f"Give it to: fsm-calib study {path}."
         raise InputError("this is a study, of many robots", where=str(path), cure=cure)

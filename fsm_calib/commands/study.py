@@ -46,6 +46,7 @@ def study(
 ) -> None:
     """Calibrate many robots by hand and automatically, and compare; a killed command goes on where it was."""
     from fsm_calib.report.study_files import write_page, write_study
+    from fsm_calib.shipped import scenario_path
     from fsm_calib.study.backends import BACKENDS, check_backend
     from fsm_calib.study.fleet import Crew, run_fleet
     from fsm_calib.study.interrupts import interrupted_by_signals
@@ -57,7 +58,7 @@ def study(
     if chosen is None:
         cure = f"Give one of {', '.join(BACKENDS)}."
         raise InputError(f"there is no back end {backend!r}", where="--backend", cure=cure)
-    loaded = with_robots(load_study(scenario), robots)
+    loaded = with_robots(load_study(scenario_path(scenario)), robots)
     check_backend(chosen, address, jobs)
     directory = out or DEFAULT_OUT / loaded.name
     try:

@@ -21,8 +21,9 @@ from fsm_calib.machines.supervisor import MACHINES, PHASES, SUPERVISOR
 DIGEST = "<!-- drawn from the DOT text with sha256 {} -->"
 
 
-COMMITTED = Path(__file__).parents[2] / "diagrams"
-"""The project's own diagrams, where the package runs from its source tree."""
+SHIPPED = Path(__file__).parents[1] / "_shipped" / "diagrams"
+COMMITTED = SHIPPED if SHIPPED.is_dir() else Path(__file__).parents[2] / "diagrams"
+"""The project's own diagrams: in an installed wheel, or at the top of the source tree."""
 SHARED = "squaring"
 """The part that several machines share: in pictures it is open once, as `orientation`."""
 

@@ -1,0 +1,88 @@
+"""What `pip install` of a built wheel gives: everything that the source tree does, in an empty folder."""
+
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+RUN = "from fsm_calib.cli import main; main()"
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory) -> Path:
+    """Return a folder that holds what a wheel of the source tree installs."""
+    pytest.importorskip("setuptools", minversion="61")
+    place = tmp_path_factory.mktemp("wheel")
+    source = place / "source"
+    source.mkdir()
+    names = ("fsm_calib", "scenarios", "diagrams", "pyproject.toml", "setup.py", "README.md", "LICENSE")
+    for name in names:  # links, so that the build leaves nothing in the source tree
+        (source / name).symlink_to(ROOT / name)
+    build = "from setuptools import build_meta; print(build_meta.build_wheel('..'))"
+    done = subprocess.run([sys.executable, "-c", build], cwd=source, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
+    (wheel,) = place.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(place / "site")
+    return place / "site"
+
+
+def fsm_calib(installed: Path, folder: Path, *arguments: str) -> subprocess.CompletedProcess:
+    """Run the installed command line in a folder."""
+    environment = os.environ | {"PYTHONPATH": str(installed), "COLUMNS": "80"}
+    command = [sys.executable, "-c", RUN, *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
+
+
+def test_wheel_holds_every_scenario_diagram_and_template(installed) -> None:
+    for folder in ("scenarios", "diagrams"):
+        there = {path.name for path in (installed / "fsm_calib" / "_shipped" / folder).iterdir()}
+        assert there >= {path.name for path in (ROOT / folder).iterdir() if path.is_file()}
+    pages = [path.relative_to(ROOT) for path in (ROOT / "fsm_calib").rglob("*.j2")]
+    assert pages
+    assert all((installed / page).is_file() for page in pages)
+
+
+@pytest.mark.slow
+def test_shipped_scenario_runs_by_name_in_an_empty_folder(installed, tmp_path) -> None:
+    done = fsm_calib(installed, tmp_path, "run", "full_calibration", "--out", "here")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "here" / "report.html").stat().st_size > 10_000
+
+
+def test_schema_diagrams_and_validate_work_in_an_empty_folder(installed, tmp_path) -> None:
+    for arguments in (("schema",), ("schema", "--study"), ("diagrams",), ("validate", "study")):
+        done = fsm_calib(installed, tmp_path, *arguments)
+        assert done.returncode == 0, done.stderr
+    drawn = {path.name for path in (tmp_path / "diagrams").iterdir()}
+    assert {"whole.svg", "scan.svg", "README.md"} <= drawn
+
+
+def test_written_scenario_is_valid_and_never_replaced(installed, tmp_path) -> None:
+    first = fsm_calib(installed, tmp_path, "init", "mine.yaml", "--from", "wheels_only")
+    assert first.returncode == 0, first.stderr
+    assert (tmp_path / "schema.json").is_file()
+    assert fsm_calib(installed, tmp_path, "validate", "mine.yaml").returncode == 0
+    again = fsm_calib(installed, tmp_path, "init", "mine.yaml")
+    assert again.returncode == 2
+    assert "exists already" in again.stderr
+
+
+def test_unknown_scenario_name_is_answered_with_the_nearest(installed, tmp_path) -> None:
+    done = fsm_calib(installed, tmp_path, "run", "full_calibraton")
+    assert done.returncode == 2
+    assert "full_calibration" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_demo_names_what_the_robot_hid(tmp_path) -> None:
+    done = fsm_calib(ROOT, tmp_path, "demo", "--no-open", "--out", "demo")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "A wheel sits off its centre by 0.0" in done.stdout
+    assert (tmp_path / "demo" / "report.html").is_file()
+    assert (tmp_path / "demo" / "world.yaml").is_file()
