@@ -1,27 +1,39 @@
 """Weave the hooks of all effects and the loop into one module, compile it once, and keep it for later
 processes.
 
-The woven module is written to the user's cache folder under a name that is the hash of everything that goes
-into it, so that a changed effect compiles anew and an unchanged catalogue starts at once. The folder is
-``FSM_CALIB_CACHE`` when set, else ``$XDG_CACHE_HOME/fsm_calib`` or ``~/.cache/fsm_calib``; where that cannot
-be written, the system's temporary folder.
+The woven text is compiled from memory; what numba makes of it is kept in a folder whose name is the hash of
+everything that goes into the text, beside a copy of the text: a changed effect compiles anew, an unchanged catalogue
+starts at once, and where the copy differs from what was just woven all of the folder is thrown away. The folder is
+private (`fsm_calib.world2d.private_folder`), below ``FSM_CALIB_CACHE`` when set, else ``$XDG_CACHE_HOME/fsm_calib`` or
+``~/.cache/fsm_calib``; where there is no such place, every process compiles for itself and says so.
 """
 
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import inspect
+import logging
 import os
+import shutil
 import sys
-import tempfile
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
+
+import numba
 
 from fsm_calib.world2d import arithmetic, dynamics, forces, loop, slots, tyres
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.private_folder import private_folder
+
+logger = logging.getLogger(__name__)
+
+NOT_KEPT = (
+    "the compiled simulation is not kept, so that every process compiles it again: there is no folder that is this "
+    "user's alone. Set FSM_CALIB_CACHE to a folder that only you can write to."
+)
 
 COMPILED = ("integrate_levels", "look_at_track", "keep", "run", "run_many", "single_step", "ride")
 CACHED = ("run", "run_many", "ride", "begin", "shape", "delay")
@@ -134,20 +146,6 @@ def _digest(text: str) -> str:
     return digest.hexdigest()[:20]
 
 
-def cache_folder() -> Path:
-    """Return a folder that can be written to, made if need be (see the module's text)."""
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    wanted = Path(os.environ.get("FSM_CALIB_CACHE") or Path(home) / "fsm_calib")
-    try:
-        wanted.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=wanted):
-            return wanted
-    except OSError:
-        spare = Path(tempfile.gettempdir()) / f"fsm_calib-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
-        spare.mkdir(parents=True, exist_ok=True)
-        return spare
-
-
 def woven_source(bare: bool = False) -> str:
     """Return the text of the whole module."""
     text = _imports(bare) + "\n\n" + _stages(bare) + _loop_text()
@@ -160,16 +158,40 @@ def kernel(bare: bool = False) -> ModuleType:
     first call. The bare one knows no effect: the same arithmetic, and a fraction of the code to compile.
     """
     source = woven_source(bare)
-    name = f"fsm_calib_kernel_{hashlib.sha256(source.encode()).hexdigest()[:20]}"
-    file = cache_folder() / f"{name}.py"
-    if not file.exists():
-        part = file.with_name(f"{name}.{os.getpid()}.part")
-        part.write_text(source, encoding="utf-8")
-        part.replace(file)
-    spec = importlib.util.spec_from_file_location(name, file)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"cannot load {file}")
-    module = importlib.util.module_from_spec(spec)
+    name = f"fsm_calib_kernel_{hashlib.sha256(source.encode()).hexdigest()}"
+    module = ModuleType(name)
+    file = _kept_text(name, source)
+    if file is None:
+        logger.warning(NOT_KEPT)
+        source = source.replace(", cache=True)", ")")
+    module.__file__ = str(file or f"<{name}>")
     sys.modules[name] = module
-    spec.loader.exec_module(module)
+    settings: Any = numba.config
+    elsewhere, settings.CACHE_DIR = settings.CACHE_DIR, ""  # beside the text, wherever others are kept
+    try:
+        exec(compile(source, module.__file__, "exec"), module.__dict__)
+    finally:
+        settings.CACHE_DIR = elsewhere
     return module
+
+
+def _kept_text(name: str, source: str) -> Path | None:
+    """Return the file beside which the compiled code of exactly this text is kept; None where none can be.
+
+    The file is never executed: it says what the code beside it was compiled from.
+    """
+    folder = private_folder(name)
+    if folder is None:
+        return None
+    file = folder / "kernel.py"
+    try:
+        if file.exists() and file.read_bytes() != source.encode():
+            shutil.rmtree(folder)
+            return _kept_text(name, source)
+        if not file.exists():
+            part = file.with_name(f"kernel.{os.getpid()}.part")
+            part.write_text(source, encoding="utf-8", newline="")
+            part.replace(file)
+    except OSError:
+        return None
+    return file
