@@ -9,7 +9,6 @@ k`` and ``u_left = omega_left (gain - trim) / k``, so a wheel ratio k_w (right c
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -18,7 +17,7 @@ from typing import Any
 from fsm_calib.errors import InputError
 from fsm_calib.journal import write_atomically
 from fsm_calib.scenario.yaml_source import YamlDocument, read_yaml
-from fsm_calib.types import WheelCalibration
+from fsm_calib.types import WheelCalibration, is_finite_number
 
 TIME_FORMAT = "%Y-%m-%d-%H-%M-%S"
 """Form of ``calibration_time`` in Duckietown's kinematics files."""
@@ -102,7 +101,7 @@ def _number(document: YamlDocument, name: str) -> float:
     if not isinstance(document.data, dict) or name not in document.data:
         raise InputError(f"the key {name!r} is missing", where=document.where(), cure="Add it.")
     value = document.data[name]
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if not is_finite_number(value):
         raise InputError(f"{name} is {value!r}", where=document.where((name,)), cure="Expected a number.")
     return float(value)
 

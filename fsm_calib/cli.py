@@ -1,21 +1,25 @@
 """The command line: `fsm-calib COMMAND`. Results on standard output, progress and errors on standard error.
 
 Exit codes: 0 done; 1 the robot or the data failed, with the reason and the cure; 2 wrong use or bad input. A
-`FsmCalibError` becomes its sentence, never a traceback. Rooms with heavy libraries are imported inside the
-commands that need them, so that `--help` answers at once.
+`FsmCalibError` becomes its sentence, never a traceback, and so does what nobody foresaw (`main`). Rooms with heavy
+libraries are imported inside the commands that need them, so that `--help` answers at once.
 """
 
 from __future__ import annotations
 
+import errno
 import importlib
 import os
+import sys
+import tempfile
+import traceback
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from fsm_calib.errors import FsmCalibError
+from fsm_calib.errors import LONGEST_PART, FsmCalibError, shown
 
 COMMAND_MODULES: tuple[str, ...] = (
     "run",
@@ -35,6 +39,9 @@ The matrices here are small, so that threads gain nothing, and where the cores h
 six times as long as one computes; how a sum is shared out among them changes its last digits, so that one seed would
 give other digits on a machine with other cores.
 """
+
+LARGEST_IMAGE = str(1 << 27)
+"""Pixels of an image that OpenCV unpacks (134 million): a small file may otherwise take all memory."""
 
 
 class Commands(TyperGroup):
@@ -136,10 +143,48 @@ def diagrams(
 
 for _variable in LINEAR_ALGEBRA_THREADS:
     os.environ.setdefault(_variable, "1")
+os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", LARGEST_IMAGE)
 for _module in COMMAND_MODULES:
     importlib.import_module(f"fsm_calib.commands.{_module}").register(app)
 
 
 def main() -> None:
-    """Run the command line."""
-    app()
+    """Run the command line; what nobody foresaw becomes a sentence too, with the details in a file of their own.
+
+    ``FSM_CALIB_TRACEBACK=1`` shows the details instead. Calls of `app`, as tests make them, see the exception itself.
+    """
+    try:
+        app()
+    except Exception as error:
+        if os.environ.get("FSM_CALIB_TRACEBACK"):
+            raise
+        code, sentence = _unforeseen(error)
+        typer.echo(f"fsm-calib: {sentence}", err=True)
+        sys.exit(code)
+
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EMFILE, errno.ENFILE, errno.ENOMEM)
+"""Errors of the machine, not of what the user asked for: exit code 1."""
+
+
+def _unforeseen(error: Exception) -> tuple[int, str]:
+    """Return the exit code and the sentence of an exception that no room turned into one."""
+    if isinstance(error, OSError) and error.errno is not None:
+        place = "" if error.filename is None else f"{shown(str(error.filename), LONGEST_PART)}: "
+        cure = "Make room there, or" if error.errno in FULL else "Check its rights, or"
+        return (1 if error.errno in FULL else 2), f"{place}{error.strerror}. {cure} give another place."
+    if isinstance(error, MemoryError):
+        return 1, "the memory does not suffice. Give less data at a time."
+    said = shown(f"{type(error).__name__}: {error}", LONGEST_PART)
+    try:
+        handle, path = tempfile.mkstemp(prefix="fsm-calib-", suffix=".log")
+        with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as file:
+            traceback.print_exception(error, file=file)
+        details = f"The details are in {path}"
+    except OSError:
+        details = "FSM_CALIB_TRACEBACK=1 shows the details"
+    return 2, f"this input is not foreseen ({said}). {details}; please report them with the input."
+
+
+if __name__ == "__main__":
+    main()

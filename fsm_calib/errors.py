@@ -2,6 +2,9 @@
 
 A sentence says what is wrong, where, what was found, what was expected and the cure. Expected failures of the
 robot (no board in sight) are no errors: they are outcomes (`fsm_calib.outcome`).
+
+What a sentence quotes from a file is a stranger's: a terminal is shown its control characters, never obeys them, and a
+sentence ends after a line or two.
 """
 
 from __future__ import annotations
@@ -9,11 +12,38 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+LONGEST_PART = 300
+"""Characters of a sentence's problem, of its place and of a quoted name."""
+LONGEST_SENTENCE = 1200
+"""Characters of a whole sentence, its cure with it (a cure may list all known names)."""
+MOST_SENTENCES = 40
+"""Errors of one file that are told; the rest is counted."""
+
+
+def shown(text: str, longest: int | None = None) -> str:
+    r"""Return text as one line that a terminal only shows: what does not print is written as ``\x1b``, ``\u202e``;
+    the middle of what is longer than `longest` characters is left out.
+    """
+    text = str(text)
+    if longest is not None and len(text) > longest:
+        kept = (longest - 5) // 2
+        text = f"{text[:kept]} ... {text[-kept:]}"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def shown_lines(text: str) -> str:
+    """Return text of several lines as lines that a terminal only shows (see `shown`)."""
+    return "\n".join(shown(line) for line in text.split("\n"))
+
 
 class FsmCalibError(Exception):
     """The root of every error of this project; `exit_code` is what the command line returns."""
 
     exit_code = 2
+
+    def __str__(self) -> str:
+        """Return the sentence, safe to print (see `shown`)."""
+        return shown(super().__str__(), LONGEST_SENTENCE)
 
 
 class InputError(FsmCalibError):
@@ -31,6 +61,7 @@ class InputError(FsmCalibError):
 
     def __init__(self, problem: str, *, where: str = "", cure: str = "") -> None:
         self.problem, self.where, self.cure = problem, where, cure
+        where, problem = shown(where, LONGEST_PART), shown(problem, LONGEST_PART)
         super().__init__(f"{where + ': ' if where else ''}{problem}.{' ' + cure if cure else ''}")
 
 
@@ -39,6 +70,7 @@ class UnknownNameError(InputError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str], *, where: str = "") -> None:
         self.kind, self.name, self.known = kind, name, tuple(sorted(known))
+        name = shown(name, LONGEST_PART)
         super().__init__(f"unknown {kind} {name!r}", where=where, cure=nearest_names(name, self.known))
 
 
@@ -49,7 +81,7 @@ class DataError(FsmCalibError):
 
     def __init__(self, problem: str, *, cure: str = "") -> None:
         self.problem, self.cure = problem, cure
-        super().__init__(f"{problem}.{' ' + cure if cure else ''}")
+        super().__init__(f"{shown(problem, 2 * LONGEST_PART)}.{' ' + cure if cure else ''}")
 
 
 class MissingExtraError(FsmCalibError):
@@ -60,15 +92,21 @@ class MissingExtraError(FsmCalibError):
 
 
 class ManyErrors(InputError):
-    """Every error found in one file, one a line."""
+    """Every error found in one file, one a line; `errors` holds all of them, the text the first `MOST_SENTENCES`."""
 
     def __init__(self, errors: Iterable[InputError]) -> None:
         self.errors = tuple(errors)
-        Exception.__init__(self, "\n".join(str(error) for error in self.errors))
+        Exception.__init__(self, str(self))
+
+    def __str__(self) -> str:
+        """Return the sentences, one a line."""
+        lines = [str(error) for error in self.errors[:MOST_SENTENCES]]
+        more = len(self.errors) - len(lines)
+        return "\n".join([*lines, *([f"and {more} more errors"] if more else [])])
 
 
 def nearest_names(name: str, known: Iterable[str]) -> str:
     """Return a sentence that offers the known names nearest to `name`, or lists them all."""
     names = list(known)
-    near = difflib.get_close_matches(name, names, n=3, cutoff=0.6)
+    near = difflib.get_close_matches(name[:LONGEST_PART], names, n=3, cutoff=0.6)
     return f"Did you mean {' or '.join(near)}?" if near else f"Known: {', '.join(names)}."

@@ -23,6 +23,16 @@ def wrap_angle(angle: float) -> float:
     return math.pi - (math.pi - angle) % (2.0 * math.pi)
 
 
+def is_finite_number(value: object) -> bool:
+    """Return whether `value` is a number that a float can hold: no boolean, no text, no nan, no infinity."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer beyond any float
+        return False
+
+
 def read_only(array: object, dtype: type = np.float64) -> NDArray:
     """Return a contiguous copy of `array` that cannot be written to."""
     frozen: NDArray = np.array(array, dtype=dtype, order="C")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fsm_calib.errors import InputError
+from fsm_calib.errors import InputError, shown, shown_lines
 
 if TYPE_CHECKING:
     from fsm_calib.recording.recording import Recording
@@ -57,13 +57,13 @@ def write_file(path: Path, text: str) -> None:
 def tell_result(plain: Mapping[str, Any], words: str, json_file: Path | None) -> None:
     """Print a result in words and write it as JSON; with `-` for the file print the JSON instead."""
     if json_file is None:
-        typer.echo(words)
+        typer.echo(shown_lines(words))
         return
     text = json.dumps(plain, indent=1, allow_nan=False)
     if json_file == STANDARD_OUTPUT:
         typer.echo(text)
         return
-    typer.echo(words)
+    typer.echo(shown_lines(words))
     write_file(json_file, text + "\n")
 
 
@@ -71,4 +71,4 @@ def print_findings(recordings: Iterable[Recording]) -> None:
     """Print what the recordings' checks found, to standard error."""
     for recording in recordings:
         for finding in recording.checks:
-            typer.echo(f"{recording.source}: {finding}", err=True)
+            typer.echo(shown(f"{recording.source}: {finding}"), err=True)

@@ -20,8 +20,10 @@ import yaml
 from fsm_calib.errors import InputError
 from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.perception.extrinsics import is_corrupt, rectified_matrix
-from fsm_calib.types import CameraModel, FloatArray, LensModel
+from fsm_calib.types import CameraModel, FloatArray, LensModel, is_finite_number
 
+_LARGEST_SIDE = 100_000  # pixels
+_LARGEST_FILE = 1_000_000  # bytes; a camera file has about a thousand
 _COEFFICIENTS: dict[LensModel, int] = {"plumb_bob": 5, "rational_polynomial": 8}
 
 
@@ -60,9 +62,9 @@ def read_intrinsics(path: Path) -> CameraModel:
     """
     data = _mapping(path)
     model = data.get("distortion_model", "plumb_bob")
-    if model not in _COEFFICIENTS:
+    if not isinstance(model, str) or model not in _COEFFICIENTS:
         raise InputError(
-            f"unknown distortion_model {model!r}",
+            f"unknown distortion_model {_brief(model)}",
             where=str(path),
             cure="Known: plumb_bob, rational_polynomial.",
         )
@@ -122,12 +124,12 @@ def read_extrinsics(path: Path) -> FloatArray:
     InputError
         Not YAML, not nine numbers, or corrupt by Duckietown's rule.
     """
-    values = np.asarray(_mapping(path).get("homography", []), dtype=object).ravel()
-    if values.size != 9 or not all(_is_number(value) for value in values):
+    values = _nine(_mapping(path).get("homography"))
+    if len(values) != 9 or not all(is_finite_number(value) for value in values):
         raise InputError(
             "homography is not nine numbers", where=str(path), cure="Expected a row-major 3x3 matrix."
         )
-    homography = values.astype(float).reshape(3, 3)
+    homography = np.array(values, dtype=float).reshape(3, 3)
     if is_corrupt(homography):
         raise InputError("the homography is corrupt (H[1][2] > 0)", where=str(path), cure="Calibrate again.")
     return homography
@@ -180,16 +182,31 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+def _nine(block: object) -> list[Any]:
+    """Return nine values from one list of nine, or from three of three; anything else is empty."""
+    if (
+        isinstance(block, list)
+        and len(block) == 3
+        and all(isinstance(r, list) and len(r) == 3 for r in block)
+    ):
+        return [value for row in block for value in row]
+    return block if isinstance(block, list) and len(block) == 9 else []
 
 
 def _mapping(path: Path) -> dict[str, Any]:
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+        with path.open("rb") as file:
+            text = file.read(_LARGEST_FILE + 1)
+        if len(text) > _LARGEST_FILE:
+            raise InputError(f"has more than {_LARGEST_FILE} bytes: no camera file", where=str(path))
+        data = yaml.safe_load(text.decode("utf-8-sig"))
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", where=str(path)) from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except (
+        Exception
+    ) as error:  # YAML's constructors fail in any way on what only looks like a date or a number
         raise InputError(
             "is not YAML", where=str(path), cure="Expected a camera file as ROS writes it."
         ) from error
@@ -201,7 +218,7 @@ def _mapping(path: Path) -> dict[str, Any]:
 def _numbers(data: dict[str, Any], key: str, path: Path, count: int | None = None) -> FloatArray:
     block = data.get(key)
     values = block.get("data") if isinstance(block, dict) else None
-    if not isinstance(values, list) or not all(_is_number(value) for value in values):
+    if not isinstance(values, list) or not all(is_finite_number(value) for value in values):
         raise InputError(f"{key} has no list of numbers under data", where=str(path))
     if count is not None and len(values) != count:
         raise InputError(f"{key} has {len(values)} numbers, expected {count}", where=str(path))
@@ -210,6 +227,16 @@ def _numbers(data: dict[str, Any], key: str, path: Path, count: int | None = Non
 
 def _integer(data: dict[str, Any], key: str, path: Path) -> int:
     value = data.get(key)
-    if not isinstance(value, int) or value <= 0:
-        raise InputError(f"{key} is {value!r}", where=str(path), cure="Expected a positive number of pixels.")
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 < value <= _LARGEST_SIDE:
+        raise InputError(
+            f"{key} is {_brief(value)}", where=str(path), cure="Expected a positive number of pixels."
+        )
     return value
+
+
+def _brief(value: object) -> str:
+    """Return a value as text: of what a file nests, or writes with endless digits, only its kind."""
+    is_short = isinstance(value, str | float | bool | None) or (
+        isinstance(value, int) and abs(value) < 1 << 64
+    )
+    return repr(value) if is_short else f"a value of kind {type(value).__name__}"

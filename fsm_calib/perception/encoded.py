@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 def decode_image(data: bytes | NDArray[np.uint8]) -> NDArray[np.uint8] | None:
     """Return the grey image (height, width), 8 bits, of JPEG or PNG `data`; None if it is no image."""
     buffer = np.frombuffer(bytes(data), dtype=np.uint8)
-    image = cv2.imdecode(buffer, cv2.IMREAD_GRAYSCALE) if buffer.size else None
+    try:
+        image = cv2.imdecode(buffer, cv2.IMREAD_GRAYSCALE) if buffer.size else None
+    except cv2.error:  # more pixels than OpenCV unpacks, among others
+        return None
     return None if image is None else np.asarray(image, dtype=np.uint8)
 
 

@@ -56,7 +56,11 @@ def read_photo(path: Path, *, colour: bool = False) -> NDArray[np.uint8]:
             f"cannot be read: {error.strerror}", where=str(path), cure="Check the path."
         ) from error
     flags = (cv2.IMREAD_COLOR if colour else cv2.IMREAD_GRAYSCALE) | cv2.IMREAD_IGNORE_ORIENTATION
-    image = cv2.imdecode(data, flags) if data.size else None
+    try:
+        image = cv2.imdecode(data, flags) if data.size else None
+    except cv2.error as error:
+        problem = f"is no image that can be unpacked ({error.err})"
+        raise InputError(problem, where=str(path), cure="Expected a JPEG or PNG photo.") from error
     if image is None:
         raise InputError("is not an image", where=str(path), cure="Expected a JPEG or PNG photo.")
     return np.asarray(image, dtype=np.uint8)

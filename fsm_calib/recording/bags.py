@@ -64,11 +64,15 @@ def read_bag(path: Path, tag_map: TagMap | None = None) -> Recording:
     """
     topics = _read_topics(path)
     source = Source(path)
-    if HEAD_TOPIC in topics:
-        recording = _own(path, topics)
-    else:
-        recording = _duckietown(path, topics, tag_map)
-    return checked(recording, {name: source for name in CHANNELS})
+    try:
+        if HEAD_TOPIC in topics:
+            recording = _own(path, topics)
+        else:
+            recording = _duckietown(path, topics, tag_map)
+        return checked(recording, {name: source for name in CHANNELS})
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
+        problem = f"the bag's messages are damaged ({type(error).__name__})"
+        raise InputError(problem, where=f"{path}:1", cure="Record it again.") from error
 
 
 def _read_topics(path: Path) -> dict[str, list[tuple[float, str, Any]]]:
@@ -116,7 +120,7 @@ def _own(path: Path, topics: dict[str, list[tuple[float, str, Any]]]) -> Recordi
                 columns["path"] = tuple(row.text for row in rows)
             found[name] = getattr(kinds, about["kind"])(**columns, **about["settings"])
         facts = RobotFacts(**head["robot"])
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         raise InputError("the bag's description of its channels is damaged", where=f"{path}:1") from error
     return Recording(robot=facts, source=str(path), **found)
 

@@ -18,6 +18,9 @@ from fsm_calib.recording.oddities import findings_of
 from fsm_calib.recording.recording import Finding, Recording
 
 HELD = ("command", "twist", "state")  # channels whose rows hold until the next
+LARGEST_NUMBER = (
+    1e12  # s, m, rad or ticks: a clock in microseconds since 1970 is refused, one in s or ms is not
+)
 LARGEST_COMMAND = 2.0  # a logger may note what is clipped later, but not twice the largest command
 REFUSED = ("mirrored", "heading", "impossible")  # kinds of findings after which nothing can be trusted
 MOST_BACKWARDS = 0.02  # share of rows with time going backwards above which the column is no clock
@@ -38,6 +41,7 @@ def checked(recording: Recording, sources: Mapping[str, Rows]) -> Recording:
     findings: list[Finding] = list(recording.checks)
     changes: dict[str, Any] = {}
     for name, channel in recording.channels.items():
+        _refuse_no_numbers(name, channel, sources[name])
         channel, found = _increasing(name, channel, sources[name])
         changes[name] = channel
         findings += found
@@ -47,10 +51,31 @@ def checked(recording: Recording, sources: Mapping[str, Rows]) -> Recording:
     return dataclasses.replace(recording, checks=(*findings, *odd))
 
 
+def _refuse_no_numbers(name: str, channel: Channel, source: Rows) -> None:
+    """Raise InputError for columns of different lengths, and for numbers that are none: nan, infinite, beyond any unit.
+
+    A heading may be nan: it was not measured.
+    """
+    for field in dataclasses.fields(channel):
+        values = getattr(channel, field.name)
+        if not isinstance(values, np.ndarray):
+            continue
+        if len(values) != len(channel):
+            raise InputError(
+                f"{name}: {field.name} has {len(values)} rows, time {len(channel)}", where=source.where(0)
+            )
+        sound = np.abs(values) < LARGEST_NUMBER
+        bad = ~(sound | np.isnan(values)) if (name, field.name) == ("pose", "theta") else ~sound
+        if bad.any():
+            row = int(np.argmax(bad))
+            problem = f"{name}: {field.name} is {values[row]:g}; expected a number below {LARGEST_NUMBER:g}"
+            raise InputError(problem, where=source.where(row))
+
+
 def _refuse_impossible(recording: Recording, odd: list[Finding], sources: Mapping[str, Rows]) -> None:
     """Raise InputError for columns that cannot be what the manifest calls them."""
     command = recording.command
-    if command is not None and command.unit == "normalized":
+    if command is not None and len(command) and command.unit == "normalized":
         size = np.maximum(np.abs(command.left), np.abs(command.right))
         if float(np.median(size)) > 1.0 or float(size.max()) > LARGEST_COMMAND:
             raise InputError(

@@ -15,6 +15,8 @@ from fsm_calib.recording.yaml_places import KEY, PlacedYaml
 
 FORMAT = "fsm-calib/recording@1"
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Fact = Annotated[float, Field(gt=1e-9, lt=1e6, allow_inf_nan=False)]
+"""A robot's size, rate or step in SI units: far beyond any robot at both ends, and no number overflows later."""
 Name = Annotated[str, Field(min_length=1, max_length=200)]
 
 
@@ -28,10 +30,10 @@ class RobotSection(Section):
     """What is known: wheel_radius, axle_length [m], max_wheel_rate [rad/s], metres_per_tick [m]."""
 
     name: Name = "robot"
-    wheel_radius: Positive | None = None
-    axle_length: Positive | None = None
-    max_wheel_rate: Positive | None = None
-    metres_per_tick: Positive | None = None
+    wheel_radius: Fact | None = None
+    axle_length: Fact | None = None
+    max_wheel_rate: Fact | None = None
+    metres_per_tick: Fact | None = None
 
 
 class ChannelSection(Section):

@@ -141,7 +141,7 @@ def _frozen(recording: Recording, pose: PoseTrack) -> list[Finding]:
 def _driving(recording: Recording, times: FloatArray) -> np.ndarray | None:
     """Return whether the wheels were driven at `times`; None where no input was logged."""
     track = recording.command or recording.wheel_rate or recording.wheel_speed
-    if track is None:
+    if track is None or not len(track):
         return None
     size = np.maximum(np.abs(track.left), np.abs(track.right))
     row = np.searchsorted(track.time, times, side="right") - 1
@@ -162,7 +162,7 @@ def _one_sided(name: str, track: WheelPair | None) -> list[Finding]:
 
 
 def _clipped(command: CommandTrack | None) -> list[Finding]:
-    if command is None or command.unit != "normalized":
+    if command is None or command.unit != "normalized" or not len(command):
         return []
     far = np.maximum(np.abs(command.left), np.abs(command.right)) > 1.0 + 1e-6
     if not far.any():

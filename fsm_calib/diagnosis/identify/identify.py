@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from fsm_calib.diagnosis.identify.align import open_loop_error
 from fsm_calib.diagnosis.identify.command import fit_commands
 from fsm_calib.diagnosis.identify.displacement import identify_from_displacement
@@ -40,7 +42,15 @@ def identify(recordings: Sequence[Recording]) -> Identification:
     """
     if not recordings:
         raise DataError("no recording was given")
-    recordings = list(recordings)
+    try:
+        return _identified(list(recordings))
+    except (np.linalg.LinAlgError, ArithmeticError) as error:
+        cure = "Check units and columns of the recording, and the facts about its robot."
+        raise DataError(f"the numbers of {recordings[0].source} have no fit ({error})", cure=cure) from error
+
+
+def _identified(recordings: list[Recording]) -> Identification:
+    """Fit by the method that the channels allow."""
     first = recordings[0]
     wheels = any(track is not None for track in (first.wheel_angle, first.wheel_rate, first.wheel_speed))
     commands = first.command is not None or first.twist is not None
