@@ -29,6 +29,7 @@ COMMAND_MODULES: tuple[str, ...] = (
     "diagnosis",
     "study",
     "begin",
+    "targets",
 )
 """Modules of `fsm_calib.commands` with `register(app)`; each adds its commands to the command line."""
 

@@ -21,7 +21,18 @@ ROOMS = {
     "recording": GROUND | {"perception"},
     "diagnosis": GROUND | {"recording", "world2d"},
 }
-COMPOSERS = {"scenario", "runner", "journal", "report", "study", "cli", "commands", "shipped", "demo"}
+COMPOSERS = {
+    "scenario",
+    "runner",
+    "journal",
+    "report",
+    "study",
+    "cli",
+    "commands",
+    "shipped",
+    "demo",
+    "targets",
+}
 HOMES = {
     "pymunk": {"world2d"},
     "transitions": {"machines"},

@@ -43,3 +43,16 @@ def find_tags(image: NDArray[np.uint8]) -> tuple[TagDetection, ...]:
         for number, quad in zip(numbers.ravel(), corners, strict=True)
     ]
     return tuple(sorted(found, key=lambda tag: tag.tag_id))
+
+
+TAG_CELLS = 8
+"""Cells along the side of a tag36h11's black square: border and code."""
+
+
+def tag_cells(tag_id: int) -> NDArray[np.bool_]:
+    """Return which cells of a tag36h11 are dark, shape (8, 8), from the top left of the upright tag.
+
+    Upright is as the AprilTag library draws it; OpenCV's drawing is turned by half a turn, which is undone here.
+    """
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
+    return np.rot90(cv2.aruco.generateImageMarker(dictionary, tag_id, TAG_CELLS), 2) < 128
