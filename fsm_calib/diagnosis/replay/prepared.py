@@ -250,3 +250,39 @@ def _restarts(
     for start, end in unknown_spans(recording, settings):
         restart |= (time > start) & (time <= end)
     return restart
+
+
+def expected(recording: Recording, rates: FloatArray, settings: Settings = DEFAULT_SETTINGS) -> Prepared:
+    """Lay a drive that has not been driven on its time line: its poses are those that are expected, without noise.
+
+    rates : (n, 3) expected vx, vy [m/s] in the world and omega [rad/s] at each pose.
+    """
+    track = recording.pose
+    if track is None:
+        raise DataError("an expected drive has no poses")
+    smooth = SmoothTrack(track.time, track.x, track.y, track.theta, *rates.T)
+    axle, picked = recording.robot.axle_length or NOMINAL_AXLE, np.arange(len(track))
+    reference = np.column_stack([track.x, track.y, track.theta])
+    moving = _coming_to_rest(track.time, _moving(smooth, picked, axle, settings))
+    dt = np.diff(track.time, prepend=track.time[0])
+    seen = np.zeros((len(track), 5), dtype=bool)
+    seen[:, :3] = True
+    return Prepared(
+        name=recording.source,
+        recording=recording,
+        poses=Poses(track.time, track.x, track.y, track.theta),
+        track=smooth,
+        time=track.time,
+        dt=dt,
+        reference=reference,
+        rotation=_turn(reference[:, 2]),
+        step=_steps(reference, np.zeros((len(track), 2))),
+        seen=seen,
+        y=np.zeros((len(track), 5)),
+        restart=np.arange(len(track)) == 0,
+        moving=moving,
+        geometry=np.array(
+            [axle / 2.0, recording.robot.wheel_radius or NOMINAL_RADIUS, float(np.median(dt[1:]))]
+        ),
+        settings=settings,
+    )

@@ -1,0 +1,97 @@
+"""What is believed before a drive: explanations with probabilities, numbers and their spread."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.recording.recording import RobotFacts
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import registry
+
+NOTHING = "nothing is missing"
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """One explanation: its effects (none: the base robot is all there is), and the numbers it would have.
+
+    probability : before the drive. values : (p,) parameters of the roll-out. places : (m,) which of them are not
+    known exactly, those of the base robot first; covariance : (m, m) of them; steps : (m,) finite differences.
+    """
+
+    names: tuple[str, ...]
+    probability: float
+    values: FloatArray
+    places: tuple[int, ...]
+    covariance: FloatArray
+    steps: FloatArray
+
+    @property
+    def label(self) -> str:
+        """The names as one text."""
+        return " + ".join(self.names) or NOTHING
+
+    @property
+    def needs_place(self) -> bool:
+        """Whether it acts differently at another place or heading."""
+        return any(depends_on_place(name) for name in self.names)
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """All explanations that are kept, the likeliest first.
+
+    hypotheses : the first `base` places of each are the base robot's, the same in all. plain : (p,) the base robot
+    re-fitted alone. unnamed : probability that none of them is right; no drive can be rolled out for it. noise; robot;
+    frame_rate [Hz]; full_speed [m/s] at command 1.
+    """
+
+    hypotheses: tuple[Hypothesis, ...]
+    base: int
+    plain: FloatArray
+    noise: Noise
+    robot: RobotFacts = field(default_factory=RobotFacts)
+    frame_rate: float = 15.0
+    full_speed: float = 0.636
+    unnamed: float = 0.0
+
+    @property
+    def probabilities(self) -> FloatArray:
+        """Probabilities of the named explanations among themselves, shape (h,), summing to one."""
+        p = np.array([h.probability for h in self.hypotheses])
+        return np.asarray(p / p.sum())
+
+    @property
+    def doubt(self) -> float:
+        """Entropy of the named explanations [nat]."""
+        p = self.probabilities
+        return float(-np.sum(p * np.log(np.maximum(p, 1e-300))))
+
+    @property
+    def sureness(self) -> float:
+        """Probability of the likeliest explanation, the un-named ones counted."""
+        return float(self.probabilities.max() * (1.0 - self.unnamed))
+
+    @property
+    def leader(self) -> Hypothesis:
+        """The likeliest explanation."""
+        return max(self.hypotheses, key=lambda h: h.probability)
+
+
+def depends_on_place(name: str) -> bool:
+    """Return whether an effect acts differently at another place or heading."""
+    effect = registry()[name]
+    return bool(effect.scan == "place" or {"place", "heading"} & set(effect.regimes))
+
+
+def kept(hypotheses: list[Hypothesis], most: int) -> tuple[Hypothesis, ...]:
+    """Return the `most` likeliest, the likeliest first; what is as good as impossible is left out."""
+    ordered = sorted(hypotheses, key=lambda h: -h.probability)[:most]
+    total = sum(h.probability for h in ordered)
+    if not total > 0.0 or not math.isfinite(total):
+        return tuple(ordered)
+    return tuple(h for h in ordered if h.probability > 1e-6 * total)

@@ -1,0 +1,199 @@
+"""From a diagnosis to a belief: the one place where the designer looks into a decision.
+
+Probabilities are the diagnosis' own: exp(evidence / 2 TEMPER) among fitted explanations. An effect that found nothing
+to explain may still hide: it is believed in at the size that would have stayed unseen, and never below the share of
+its typical size that matters. Events happen once; in a new drive they change nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.hypotheses import catalogue, declared_starts, hypotheses_of, is_event
+from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
+from fsm_calib.diagnosis.fitting.base import slot_of
+from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.fitting.slot import Slot
+from fsm_calib.diagnosis.fitting.values import switched_off, with_values
+from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
+from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
+from fsm_calib.diagnosis.verdict.decide import Decision
+from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
+from fsm_calib.diagnosis.verdict.posterior import GENERAL_DOUBT, TEMPER
+from fsm_calib.diagnosis.verdict.systematic_error import model_spread
+from fsm_calib.recording.recording import RobotFacts
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import NUISANCE, parameter_table
+
+MOST = 14  # explanations that are kept: those behind have a thousandth of the doubt
+MATTERS = 0.2  # of an effect's typical size: a smaller one changes no drive by more than its noise
+LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
+PRIOR_SPREAD = 0.4  # of a typical size, before anything was driven
+UNNAMED = 0.5  # probability that no name is right, where the diagnosis gives none
+ANY_PHASE = 1.8  # rad: standard deviation of a phase that may be anything
+PRIOR_BASE = {
+    "gain_left": 0.08, "gain_right": 0.08, "axle_length": 0.005, "tau_forward": 0.05, "tau_turn": 0.06,
+}  # before anything was driven; m/s, m, s: gains of 32 real robots differ by an eighth (parameters.SPREAD)  # fmt: skip
+
+Weighed = tuple[float, Hypothesis]
+"""Log odds against nothing at all, and the explanation."""
+
+
+def belief_of(decision: Decision, gates: Gates = DEFAULT_GATES, most: int = MOST) -> Belief:
+    """Return what a decision leaves us to believe of the next drive."""
+    base, simulator = decision.base, decision.engine.simulators[0]
+    weighed = [(0.0, _nothing(base)), *_singles(decision), *_pairs(decision)]
+    if decision.outcome == "match":
+        weighed += _hidden(decision, gates)
+    top = max(log_odds for log_odds, _ in weighed)
+    hypotheses = kept([replace(h, probability=math.exp(log_odds - top)) for log_odds, h in weighed], most)
+    total = sum(h.probability for h in hypotheses)
+    frames = float(np.median([s.prepared.geometry[2] for s in decision.engine.simulators]))
+    return Belief(
+        hypotheses=tuple(replace(h, probability=h.probability / total) for h in hypotheses),
+        base=len(base.slots),
+        plain=base.values[0],
+        noise=decision.model.fit.noise,
+        robot=simulator.prepared.recording.robot,
+        frame_rate=1.0 / max(frames, 1e-3),
+        full_speed=simulator.full_speed,
+        unnamed=UNNAMED if decision.outcome == "unexplained" else GENERAL_DOUBT,
+    )
+
+
+def prior_belief(
+    noise: Noise | None = None,
+    robot: RobotFacts | None = None,
+    frame_rate: float = 15.0,
+    most: int = 18,
+) -> Belief:
+    """Return what is believed of a robot that has not been driven: nothing missing, or one effect of typical size."""
+    facts = robot or RobotFacts(wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=NOMINAL_WHEEL_RATE)
+    table = parameter_table()
+    full = (facts.max_wheel_rate or NOMINAL_WHEEL_RATE) * (facts.wheel_radius or 0.0318)
+    plain = table.null
+    for name in ("gain_left", "gain_right"):
+        plain[table.place(name)] = full
+    slots = tuple(slot_of(name) for name in NUISANCE)
+    spread = np.diag([PRIOR_BASE[name] ** 2 for name in NUISANCE])
+    hypotheses = [Hypothesis((), 0.5, plain, tuple(s.place for s in slots), spread, _steps(slots))]
+    effects = [
+        e for e in catalogue() if not is_event(e) and e.input in ("any", "command") and e.scan != "place"
+    ]
+    for effect in effects:
+        values = with_values(plain[None], declared_starts(next(hypotheses_of(effect, 1)))[0])[0]
+        own, sizes = _own_slots(effect, values)
+        covariance = np.zeros((len(slots) + len(own),) * 2)
+        covariance[: len(slots), : len(slots)] = spread
+        covariance[range(len(slots), len(covariance)), range(len(slots), len(covariance))] = sizes**2
+        places = tuple(s.place for s in (*slots, *own))
+        hypotheses.append(
+            Hypothesis((effect.name,), 0.5 / len(effects), values, places, covariance, _steps((*slots, *own)))
+        )
+    return Belief(
+        kept(hypotheses, most), len(slots), plain, noise or Noise(), facts, frame_rate, full, GENERAL_DOUBT
+    )
+
+
+def _own_slots(effect: Effect, values: FloatArray) -> tuple[list[Slot], FloatArray]:
+    """Return the strengths that a typical effect moves, and their spread before anything was driven."""
+    own = [slot_of(f"{effect.name}.{name}") for name in effect.strengths if effect.parameter(name).fitted][:2]
+    sizes = [PRIOR_SPREAD * abs(effect.parameter(name).typical - effect.parameter(name).null)
+             for name in effect.strengths if effect.parameter(name).fitted][:2]  # fmt: skip
+    return own, np.array(sizes)
+
+
+def _steps(slots: Sequence[Slot]) -> FloatArray:
+    return np.array([s.step for s in slots])
+
+
+def _nothing(base: Fit) -> Hypothesis:
+    places = tuple(s.place for s in base.slots)
+    return Hypothesis((), 1.0, base.values[0], places, _spread(base, base.slots, ()), _steps(base.slots))
+
+
+def _singles(decision: Decision) -> Iterator[Weighed]:
+    """Yield every effect that won something by itself."""
+    for ranked in decision.ranking:
+        if ranked.gain >= LEAST_GAIN:
+            yield 0.5 * ranked.evidence / TEMPER, _fitted(ranked.fit, (ranked.name,), decision.base)
+
+
+def _pairs(decision: Decision) -> Iterator[Weighed]:
+    """Yield an answer of several effects, and its first with every other second that won something."""
+    effects = decision.model.effects
+    if len(effects) < 2:
+        return
+    first = next((r.evidence for r in decision.ranking if r.name == effects[0].name), effects[0].evidence)
+    for ranked in decision.second_ranking:
+        if ranked.gain < LEAST_GAIN:
+            continue
+        is_answer = ranked.name == effects[1].name
+        names = tuple(e.name for e in effects) if is_answer else (effects[0].name, ranked.name)
+        fit = decision.model.fit if is_answer else ranked.fit
+        yield 0.5 * (first + ranked.evidence) / TEMPER, _fitted(fit, names, decision.base)
+
+
+def _fitted(fit: Fit, names: tuple[str, ...], base: Fit) -> Hypothesis:
+    """Return a fitted explanation as it would act in a new drive."""
+    table = parameter_table()
+    events = tuple(name for name in names if is_event(registry()[name]))
+    values = switched_off(fit.values[:1], events)[0]
+    first_runs: dict[int, Slot] = {}
+    for slot in fit.slots[len(base.slots) :]:
+        if table.owner[slot.place] not in events:
+            first_runs.setdefault(slot.place, slot)
+    slots = (*base.slots, *first_runs.values())
+    return Hypothesis(
+        names, 1.0, values, tuple(s.place for s in slots), _spread(fit, slots, names), _steps(slots)
+    )
+
+
+def _spread(fit: Fit, slots: Sequence[Slot], names: tuple[str, ...]) -> FloatArray:
+    """Return the covariance of slots: the fit's, the doubt about each equation, and any phase in a new drive."""
+    table = parameter_table()
+    where = [fit.slots.index(slot) for slot in slots]
+    covariance = np.array(fit.covariance[np.ix_(where, where)])
+    for k, slot in enumerate(slots):
+        owner = table.owner[slot.place]
+        if not owner:
+            continue
+        entry = table.entries[slot.place]
+        if entry.per_recording:
+            covariance[k, :] = covariance[:, k] = 0.0
+            covariance[k, k] = ANY_PHASE**2
+        covariance[k, k] += model_spread(registry()[owner], entry.name, float(fit.values[0, slot.place])) ** 2
+    return np.asarray(0.5 * (covariance + covariance.T))
+
+
+def _hidden(decision: Decision, gates: Gates) -> Iterator[Weighed]:
+    """Yield effects that found nothing to explain, at the size that half of what detection asks for would show.
+
+    The data are against such a size by as much as it would have shown; a size that matters is not gone below.
+    """
+    base, shown = decision.base, 0.5 * gates.detect
+    won = {r.name for r in decision.ranking if r.gain >= LEAST_GAIN}
+    sizes = smallest_sizes(decision, shown)
+    wanted = shown + math.log(decision.engine.count)
+    for name, (parameter, size, _) in sizes.items():
+        if name in won:
+            continue
+        effect = registry()[name]
+        entry = effect.parameter(parameter)
+        matters = MATTERS * abs(entry.typical - entry.null)
+        grown = max(matters / max(abs(size - entry.null), 1e-12), 1.0)
+        value = entry.null + grown * (size - entry.null)
+        values = with_values(base.values[:1], {f"{name}.{parameter}": value})[0]
+        slots = (*base.slots, slot_of(f"{name}.{parameter}"))
+        covariance = np.zeros((len(slots), len(slots)))
+        covariance[:-1, :-1] = _spread(base, base.slots, ())
+        covariance[-1, -1] = (0.3 * (value - entry.null)) ** 2
+        log_odds = -0.5 * wanted * grown**2 / TEMPER - 0.5 * math.log(len(sizes))
+        places = tuple(s.place for s in slots)
+        yield log_odds, Hypothesis((name,), 1.0, values, places, covariance, _steps(slots))

@@ -1,0 +1,250 @@
+"""The designer: composes a drive whose outcome would remove the most doubt per second, within bounds.
+
+A drive costs its own seconds and those of getting back and looking (`Wishes.overhead`). Manoeuvres are added one by
+one, each time the one that gives the most information per second, until another would give less per second than the
+drive as a whole: the marginal value theorem (Charnov, Theor. Popul. Biol. 9 (1976) 129). Information is bounded from
+below (`separation`); what is promised of the whole drive is sampled.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsm_calib.diagnosis.design.area import Area
+from fsm_calib.diagnosis.design.belief import Belief, Hypothesis
+from fsm_calib.diagnosis.design.foresight import Foresight
+from fsm_calib.diagnosis.design.plan import Forecast, Outlook, Plan, Waypoint
+from fsm_calib.diagnosis.design.primitives import Primitive, menu
+from fsm_calib.diagnosis.design.separation import Pairs, distances, expected_posteriors, information
+from fsm_calib.types import FloatArray, Pose2
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
+
+TEMPER = 3.0  # the diagnosis divides its evidence by it (verdict/posterior.py)
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """Bounds and prices of a drive.
+
+    longest, shortest [s]; limit : largest command [1]; overhead [s] :
+    what a drive costs beside itself; least [nat] : information below which a drive is not worth it; draws : of every
+    explanation's numbers, for the promise; careful : of them, for the bounds; retried : manoeuvres that are weighed
+    again at every step.
+    """
+
+    longest: float = 30.0
+    shortest: float = 8.0
+    limit: float = 0.6
+    overhead: float = 6.0
+    least: float = 0.02
+    draws: int = 48
+    careful: int = 4
+    retried: int = 16
+
+
+def design(
+    belief: Belief, area: Area, start: Pose2, rng: np.random.Generator, wishes: Wishes = Wishes()
+) -> Plan | None:
+    """Return the drive from `start` that settles most per second; None where none within the bounds tells anything."""
+    if len(belief.hypotheses) < 2:
+        return None
+    composer = Composer(Foresight(belief), area, wishes, _pose(start))
+    chosen = composer.composed()
+    while chosen and not composer.safe(chosen, rng):
+        chosen = chosen[:-1]
+    if not chosen:
+        return None
+    plan = composer.plan(chosen, rng)
+    return plan if plan.forecast.information >= wishes.least else None
+
+
+def random_drive(
+    belief: Belief,
+    area: Area,
+    start: Pose2,
+    rng: np.random.Generator,
+    wishes: Wishes = Wishes(),
+    seconds: float = 20.0,
+) -> Plan | None:
+    """Return a drive of primitives drawn at random within the same bounds, about `seconds` [s] long: what design is
+    compared with.
+    """
+    composer = Composer(Foresight(belief), area, wishes, _pose(start))
+    chosen = composer.drawn(seconds, rng)
+    while chosen and not composer.safe(chosen, rng):
+        chosen = chosen[:-1]
+    return composer.plan(chosen, rng) if chosen else None
+
+
+@dataclass(frozen=True, eq=False)
+class Composer:
+    """Chains manoeuvres from one start (x, y, theta)."""
+
+    foresight: Foresight
+    area: Area
+    wishes: Wishes
+    start: FloatArray
+
+    def composed(self) -> list[Primitive]:
+        """Return manoeuvres in order, greedily by information per second."""
+        belief, columns = self.foresight.belief, self.foresight.columns
+        pairs, p = Pairs.of(columns), belief.probabilities
+        gram = np.zeros((columns.width, columns.width))
+        starts = np.tile(self.start, (len(belief.hypotheses), 1))
+        chosen: list[Primitive] = []
+        spent, known, rates = 0.0, 0.0, dict[str, float]()
+        while True:
+            best: tuple[float, Primitive, FloatArray, float] | None = None
+            for option in self._promising(starts, spent, rates):
+                grown = gram + self.foresight.gram(option.holds, starts[0])
+                told = information(distances(grown, columns, pairs), p, TEMPER)
+                rates[option.name] = rate = (told - known) / option.duration
+                if best is None or rate > best[0]:
+                    best = (rate, option, grown, told)
+            if best is None or not self._goes_on(best[0], known, spent):
+                return chosen
+            _, option, gram, known = best
+            chosen.append(option)
+            spent += option.duration
+            starts = self.foresight.paths(option.holds, starts)[:, -1]
+
+    def _promising(self, starts: FloatArray, spent: float, rates: Mapping[str, float]) -> list[Primitive]:
+        """Return the options that told most per second when they were last tried, new ones first.
+
+        What a manoeuvre adds hardly ever grows as others are added (Minoux, Optimization Techniques (1978) 234).
+        """
+        options = sorted(self.options(starts, spent), key=lambda p: -rates.get(p.name, math.inf))
+        new = sum(p.name not in rates for p in options)
+        return options[: new + self.wishes.retried]
+
+    def _goes_on(self, rate: float, known: float, spent: float) -> bool:
+        """Return whether another manoeuvre pays: it tells more per second than the drive as a whole."""
+        if spent < self.wishes.shortest:
+            return rate > 0.0
+        return rate * (spent + self.wishes.overhead) > known
+
+    def drawn(self, seconds: float, rng: np.random.Generator) -> list[Primitive]:
+        """Return manoeuvres drawn at random until `seconds` [s] are full."""
+        starts = np.tile(self.start, (len(self.foresight.belief.hypotheses), 1))
+        chosen: list[Primitive] = []
+        while (spent := sum(p.duration for p in chosen)) < seconds:
+            options = list(self.options(starts, spent))
+            if not options:
+                break
+            option = options[rng.integers(len(options))]
+            chosen.append(option)
+            starts = self.foresight.paths(option.holds, starts)[:, -1]
+        return chosen
+
+    def options(self, starts: FloatArray, spent: float) -> Iterator[Primitive]:
+        """Yield the manoeuvres that stay inside the area under every explanation, from each one's pose (h, 3)."""
+        pace = self.foresight.pace
+        wanted = [*menu(self.wishes.limit, pace), *self._crossings(starts[0])]
+        for option in wanted:
+            if spent + option.duration > self.wishes.longest:
+                continue
+            paths = self.foresight.paths(option.holds, starts)
+            if self.area.holds(paths[:, :, 0], paths[:, :, 1]):
+                yield option
+
+    def _crossings(self, pose: FloatArray) -> Iterator[Primitive]:
+        """Yield turns towards the centre and the places that explanations name, and the straight over each."""
+        centre = self.area.centre
+        targets = {"the centre": (centre.x, centre.y)}
+        targets |= {
+            f"the {h.label}": place for h in self.foresight.belief.hypotheses if (place := place_of(h))
+        }
+        pace, u = self.foresight.pace, 0.4 * self.wishes.limit
+        for name, (x, y) in targets.items():
+            dx, dy = x - pose[0], y - pose[1]
+            way = math.hypot(dx, dy)
+            turn = math.remainder(math.atan2(dy, dx) - pose[2], math.tau)
+            if way < 0.15:
+                continue
+            spin = round(abs(turn) / max(pace.turn(u), 0.1), 2)
+            ahead = round(min((way + 0.25) / max(pace.speed(u), 0.02), 4.0), 2)
+            side = math.copysign(u, turn)
+            first = ((spin, -side, side), (0.4, 0.0, 0.0)) if spin > 0.05 else ()
+            yield Primitive(f"towards {name} at {u:g}", (*first, (ahead, u, u), (0.6, 0.0, 0.0)))
+
+    def holds(self, chosen: Sequence[Primitive]) -> tuple[tuple[float, float, float], ...]:
+        """Return the commands of the whole drive."""
+        return tuple(hold for primitive in chosen for hold in primitive.holds)
+
+    def safe(self, chosen: Sequence[Primitive], rng: np.random.Generator) -> bool:
+        """Return whether the whole drive stays inside for every explanation over the spread of its numbers."""
+        rows = []
+        for h in self.foresight.belief.hypotheses:
+            rows += [h.values, *drawn_values(h, self.wishes.careful, rng)]
+        paths = self.foresight.rolled(self.holds(chosen), np.array(rows), self.start)
+        return self.area.holds(paths[:, :, 0], paths[:, :, 1])
+
+    def plan(self, chosen: Sequence[Primitive], rng: np.random.Generator) -> Plan:
+        """Roll the whole drive out, and say what is expected of it."""
+        foresight, belief = self.foresight, self.foresight.belief
+        holds, columns, p = self.holds(chosen), foresight.columns, belief.probabilities
+        gram = foresight.gram(holds, self.start)
+        apart = distances(gram, columns, Pairs.of(columns))
+        said, surest = expected_posteriors(gram, columns, p, TEMPER, self.wishes.draws, rng)
+        values = np.array([h.values for h in belief.hypotheses])
+        ends = foresight.rolled(holds, values, self.start)[:, -1]
+        forecast = Forecast(
+            sureness_before=belief.sureness,
+            sureness=float(p @ surest) * (1.0 - belief.unnamed),
+            information=information(apart, p, TEMPER),
+            doubt_before=belief.doubt,
+        )
+        outlooks = tuple(
+            Outlook(
+                h.names,
+                float(p[k]),
+                float(said[k, k]),
+                Pose2(*map(float, ends[k])),
+                _rival(belief, said[k], k),
+            )
+            for k, h in enumerate(belief.hypotheses)
+        )
+        path = foresight.rolled(holds, belief.leader.values[None], self.start)[0]
+        steps, at = [], 0.0
+        for primitive in chosen:
+            steps.append(Waypoint(round(at, 3), primitive.name, round(primitive.duration, 3)))
+            at += primitive.duration
+        return Plan(holds, tuple(steps), Pose2(*map(float, self.start)), forecast, outlooks, path)
+
+
+def place_of(hypothesis: Hypothesis) -> tuple[float, float] | None:
+    """Return the centre of the place that a hypothesis names [m], None where it names none."""
+    table = parameter_table()
+    for name in hypothesis.names:
+        if registry()[name].scan == "place" and f"{name}.x" in table.index:
+            return tuple(float(hypothesis.values[table.place(f"{name}.{axis}")]) for axis in "xy")  # type: ignore[return-value]
+    return None
+
+
+def drawn_values(h: Hypothesis, count: int, rng: np.random.Generator) -> FloatArray:
+    """Return parameter vectors (count, p) drawn from a hypothesis' spread, inside the physical bounds."""
+    table = parameter_table()
+    vectors, values = np.tile(h.values, (count, 1)), np.linalg.eigh(h.covariance)
+    root = values[1] * np.sqrt(np.maximum(values[0], 0.0))
+    moved = vectors[:, list(h.places)] + rng.standard_normal((count, len(h.places))) @ root.T
+    low = [table.entries[place].low for place in h.places]
+    high = [table.entries[place].high for place in h.places]
+    vectors[:, list(h.places)] = np.clip(moved, low, high)
+    return vectors
+
+
+def _rival(belief: Belief, said: FloatArray, k: int) -> str:
+    """Return with what an explanation would still be taken for, most likely; empty where with none."""
+    others = said.copy()
+    others[k] = 0.0
+    worst = int(np.argmax(others))
+    return belief.hypotheses[worst].label if others[worst] > 0.02 else ""
+
+
+def _pose(pose: Pose2) -> FloatArray:
+    return np.array([pose.x, pose.y, pose.theta])
