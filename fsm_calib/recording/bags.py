@@ -31,6 +31,7 @@ from fsm_calib.recording.channels import (
 from fsm_calib.recording.checks import checked
 from fsm_calib.recording.duckietown_messages import typestore
 from fsm_calib.recording.recording import CHANNELS, Finding, Recording, RobotFacts
+from fsm_calib.recording.stamps import zero_told
 from fsm_calib.recording.tag_poses import TagMap, TagRow, poses_from_tags, rows_of_message
 from fsm_calib.recording.writers import HEAD_TOPIC, TOPIC
 
@@ -75,9 +76,9 @@ def read_bag(path: Path, tag_map: TagMap | None = None) -> Recording:
         raise InputError(problem, where=f"{path}:1", cure="Record it again.") from error
 
 
-def _read_topics(path: Path) -> dict[str, list[tuple[float, str, Any]]]:
-    """Return (time, type, message) of every wanted message by topic."""
-    topics: dict[str, list[tuple[float, str, Any]]] = defaultdict(list)
+def _read_topics(path: Path) -> dict[str, list[tuple[int, str, Any]]]:
+    """Return (stamp [ns], type, message) of every wanted message by topic."""
+    topics: dict[str, list[tuple[int, str, Any]]] = defaultdict(list)
     try:
         with AnyReader([path], default_typestore=typestore()) as reader:
             wanted = [c for c in reader.connections if c.msgtype.split("/")[-1] in WANTED]
@@ -97,15 +98,15 @@ def _read_topics(path: Path) -> dict[str, list[tuple[float, str, Any]]]:
     return topics
 
 
-def _stamp(message: Any, bag_time: int) -> float:
-    """Return the header's stamp [s], or the bag's own where there is none or it is zero."""
+def _stamp(message: Any, bag_time: int) -> int:
+    """Return the header's stamp [ns], or the bag's own where there is none or it is zero."""
     header = getattr(message, "header", None)
     if header is None or (header.stamp.sec == 0 and header.stamp.nanosec == 0):
-        return bag_time * 1e-9
-    return header.stamp.sec + header.stamp.nanosec * 1e-9
+        return bag_time
+    return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
 
 
-def _own(path: Path, topics: dict[str, list[tuple[float, str, Any]]]) -> Recording:
+def _own(path: Path, topics: dict[str, list[tuple[int, str, Any]]]) -> Recording:
     """Rebuild a recording that `write_bag` wrote."""
     try:
         head = json.loads(topics[HEAD_TOPIC][0][2].text)
@@ -126,13 +127,13 @@ def _own(path: Path, topics: dict[str, list[tuple[float, str, Any]]]) -> Recordi
 
 
 def _duckietown(
-    path: Path, topics: dict[str, list[tuple[float, str, Any]]], tag_map: TagMap | None
+    path: Path, topics: dict[str, list[tuple[int, str, Any]]], tag_map: TagMap | None
 ) -> Recording:
     """Read Duckietown's topics."""
     start = min(rows[0][0] for rows in topics.values())
     of_type: dict[str, dict[str, list[tuple[float, Any]]]] = defaultdict(dict)
     for topic, rows in topics.items():
-        of_type[rows[0][1].split("/")[-1]][topic] = [(time - start, message) for time, _, message in rows]
+        of_type[rows[0][1].split("/")[-1]][topic] = [((stamp - start) / 1e9, message) for stamp, _, message in rows]
     found: dict[str, Any] = {}
     command = _first_of(of_type["WheelsCmdStamped"], COMMAND_TOPICS)
     if command:
@@ -151,15 +152,15 @@ def _duckietown(
     if turns := _first_of(of_type["Imu"], ("imu",)):
         values = np.array([m.angular_velocity.z for _, m in turns])
         found["yaw_rate"] = YawRateTrack(np.array([t for t, _ in turns]), values)
-    findings: list[Finding] = []
+    findings: list[Finding] = zero_told(start / 1e9)
     if "pose" not in found and of_type["AprilTagDetectionArray"]:
         findings += _add_tag_poses(found, of_type["AprilTagDetectionArray"], tag_map)
     elif "pose" not in found and tag_map is not None:
-        track, finding = poses_from_bag_images(path, tag_map, start)
+        track, finding = poses_from_bag_images(path, tag_map, start / 1e9)
         found |= {} if track is None else {"pose": track}
         findings.append(finding)
     name = next((topic.split("/")[1] for topic in topics if topic.count("/") > 1), "robot")
-    return Recording(robot=RobotFacts(name=name), source=str(path), checks=tuple(findings), **found)
+    return Recording(robot=RobotFacts(name=name), source=str(path), checks=tuple(findings), clock_zero=start / 1e9, **found)
 
 
 def _first_of(topics: dict[str, list[Any]], order: tuple[str, ...]) -> list[Any]:

@@ -32,11 +32,12 @@ from fsm_calib.recording.manifest_schema import (
     validate_manifest,
 )
 from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.recording.stamps import Stamps, read_stamps, refuse_long, zero_told, zeros_of
 from fsm_calib.recording.yaml_places import read_yaml
 from fsm_calib.types import FloatArray
 
 NUMERIC = frozenset(
-    ("time", "duration", "left", "right", "v", "omega", "x", "y", "theta", "value", "dx", "dy", "dtheta")
+    ("duration", "left", "right", "v", "omega", "x", "y", "theta", "value", "dx", "dy", "dtheta")
 )
 """Keys of a channel that name columns of numbers."""
 
@@ -51,22 +52,36 @@ def read_manifest(path: Path) -> Recording:
     """
     placed = read_yaml(path)
     manifest = validate_manifest(placed)
+    sections: dict[str, ChannelSection] = {n: s for n, s in manifest.channels if s is not None}
+    tables = {n: _read_section(path, s, placed.place(("channels", n, "file"))) for n, s in sections.items()}
+    clocks = {n: _stamps(s, tables[n]) for n, s in sections.items() if s.time is not None}
+    zeros = zeros_of(clocks, intervals=len(clocks) < len(sections))
     channels: dict[str, Any] = {}
-    tables: dict[str, Table] = {}
-    for name, section in manifest.channels:
-        if section is None:
-            continue
-        table = _read_section(path, section, placed.place(("channels", name, "file")))
-        slot = "twist" if name == "command" and section.unit == "twist" else name
-        channels[slot] = _channel(name, section, table)
-        tables[slot] = table
-    recording = Recording(robot=RobotFacts(**manifest.robot.model_dump()), source=str(path), **channels)
-    return checked(recording, tables)
+    sources: dict[str, Table] = {}
+    for name, section in sections.items():
+        if name in clocks:
+            time, duration = clocks[name].since(zeros[name]), None
+            refuse_long(time, tables[name].where(0))
+        else:
+            time, duration = _intervals_of(section, tables[name])
+        slot = "twist" if name == "command" and section.unit == "twist" else name  # type: ignore[attr-defined]
+        channels[slot] = _channel(name, section, tables[name], time, duration)
+        sources[slot] = tables[name]
+    zero = float(zeros.get("pose", min(zeros.values(), default=0)))
+    recording = Recording(
+        robot=RobotFacts(**manifest.robot.model_dump()),
+        source=str(path),
+        clock_zero=zero,
+        checks=tuple(zero_told(zero)),
+        **channels,
+    )
+    return checked(recording, sources)
 
 
 def _read_section(manifest: Path, section: ChannelSection, place: str) -> Table:
     numeric = [v for k, v in section if k in NUMERIC and isinstance(v, str)]
     text = [section.state] if isinstance(section, StateSection) else []
+    text += [section.time] if section.time is not None else []
     file = manifest.parent / section.file
     if "\0" in section.file or not file.is_file():
         raise InputError(
@@ -77,11 +92,22 @@ def _read_section(manifest: Path, section: ChannelSection, place: str) -> Table:
     return read_table(file, list(dict.fromkeys(numeric)), text)
 
 
-def _clock(section: ChannelSection, table: Table) -> tuple[FloatArray, FloatArray | None]:
-    """Return time [s] and, for a channel of intervals, duration [s]; refuse intervals that do not last."""
-    if section.time is not None:
-        return table.numbers[section.time] * section.time_unit, None
-    duration = table.numbers[str(section.duration)] * section.time_unit
+def _stamps(section: ChannelSection, table: Table) -> Stamps:
+    """Return a channel's times as written; refuse what is no time."""
+    cells = table.words[str(section.time)]
+    try:
+        return read_stamps(cells, section.time_unit)
+    except ValueError as error:
+        row = int(error.args[0])
+        raise InputError(
+            f"column {section.time!r} holds {cells[row][:40]!r}; expected a finite number or an ISO 8601 time",
+            where=table.where(row),
+        ) from error
+
+
+def _intervals_of(section: ChannelSection, table: Table) -> tuple[FloatArray, FloatArray]:
+    """Return start and duration [s] of a channel's intervals; refuse those that do not last."""
+    duration = table.numbers[str(section.duration)] * (section.time_unit or 1.0)
     if (duration <= 0).any():
         row = int(np.argmax(duration <= 0))
         raise InputError(
@@ -90,9 +116,7 @@ def _clock(section: ChannelSection, table: Table) -> tuple[FloatArray, FloatArra
     return np.concatenate([[0.0], np.cumsum(duration)[:-1]]), duration
 
 
-def _channel(name: str, section: Any, table: Table) -> Channel:
-    time, duration = _clock(section, table)
-
+def _channel(name: str, section: Any, table: Table, time: FloatArray, duration: FloatArray | None) -> Channel:
     def column(key: str, scale: float = 1.0) -> FloatArray:
         return table.numbers[getattr(section, key)] * scale
 

@@ -44,7 +44,7 @@ class ChannelSection(Section):
     file: Name
     time: Name | None = None
     duration: Name | None = None
-    time_unit: Positive = 1.0
+    time_unit: Positive | None = None
     length_unit: Positive = 1.0
 
     @model_validator(mode="after")

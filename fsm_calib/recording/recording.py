@@ -76,8 +76,8 @@ class Recording:
     """One drive: robot facts, channels that share one clock, and what was found wrong with them.
 
     A channel that was not recorded is None. `command` holds wheel commands, `twist` holds (v, omega)
-    commands; a recording has at most one of them. `source` is the file that it came from. Equality compares
-    facts and channels.
+    commands; a recording has at most one of them. `source` is the file that it came from, `clock_zero` [s] what its
+    clock showed at time 0 (seconds since 1970 for most loggers). Equality compares facts and channels.
     """
 
     robot: RobotFacts = RobotFacts()
@@ -92,6 +92,7 @@ class Recording:
     state: StateTrack | None = None
     checks: tuple[Finding, ...] = field(default=(), compare=False)
     source: str = field(default="", compare=False)
+    clock_zero: float = field(default=0.0, compare=False)
 
     @property
     def channels(self) -> dict[str, Channel]:
