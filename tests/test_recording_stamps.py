@@ -49,7 +49,9 @@ def test_epoch_stamps_change_no_digit_of_the_verdict(tmp_path):
     run = shared("concealed-development/robot-04/run-a")
     late = read_recording(shifted(run, "recording.yaml", EPOCH, tmp_path / "late"))
     few = set(registry()) - {"sensor_offset"}
-    told = [diagnose([r.window(0.0, 20.0)], without=few).verdict.as_json() for r in (read_recording(run), late)]
+    told = [
+        diagnose([r.window(0.0, 20.0)], without=few).verdict.as_json() for r in (read_recording(run), late)
+    ]
     for plain in told:
         plain.pop("seconds")
         plain.pop("seconds_by_part")

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fsm_calib.commands.files import check_places, print_findings, tell_result, write_file
+from fsm_calib.commands.files import check_places, tell_result, write_file
+from fsm_calib.commands.given import TagMapFile, recordings_given
 
 if TYPE_CHECKING:
     from fsm_calib.diagnosis.diagnose import Diagnosis
@@ -49,10 +50,10 @@ def diagnose_command(
         Path | None, typer.Option(metavar="DIR", help="Write report.html and world.yaml to this folder.")
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the significance test.")] = 0,
+    tag_map: TagMapFile = None,
 ) -> None:
     """Compare recordings with the simulation: locate the mismatch, name the physics, show the fit improve."""
     from fsm_calib.diagnosis.diagnose import diagnose
-    from fsm_calib.recording import read_recording
     from fsm_calib.report.diagnosis_progress import DiagnosisProgress
     from fsm_calib.scenario.world import physics_of
     from fsm_calib.world2d.effects import registry
@@ -60,9 +61,7 @@ def diagnose_command(
     _refuse_wrong_use(without or (), (json_file, world), report)
     given = world if world is not None and world.exists() else None
     physics = physics_of(given) if given is not None else None
-    train = [read_recording(path) for path in recordings]
-    new = [read_recording(path) for path in holdout or ()]
-    print_findings(train + new)
+    train, new = recordings_given(recordings, holdout or (), tag_map=tag_map)
     with DiagnosisProgress(len(registry())) as bar:
         result = diagnose(train, new, without=without or (), world=physics, progress=bar.part, seed=seed)
     for note in result.notes:

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from fsm_calib.commands.files import check_places, print_findings, tell_result
+from fsm_calib.commands.files import check_places, tell_result
+from fsm_calib.commands.given import TagMapFile, recordings_given
 
 
 def register(app: typer.Typer) -> None:
@@ -29,17 +30,13 @@ def identify_command(
             metavar="FILE", help="Fit under the physics that this scenario's robot has (world.yaml)."
         ),
     ] = None,
-    tag_map: Annotated[
-        str | None, typer.Option("--tag-map", metavar="FILE", help="Places of tags, for bags without poses.")
-    ] = None,
+    tag_map: TagMapFile = None,
 ) -> None:
     """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
     from fsm_calib.diagnosis.identify.identify import identify
-    from fsm_calib.recording import read_recording
 
     check_places(json_file)
-    loaded = [read_recording(path, tag_map) for path in recordings]
-    print_findings(loaded)
+    loaded, _ = recordings_given(recordings, tag_map=tag_map)
     if world is None:
         result = identify(loaded)
     else:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
+from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
 from fsm_calib.diagnosis.proof.heldout import Comparison, compare
@@ -68,4 +69,5 @@ def diagnose(
     holdout = compare(new, decision.base, decision.model.fit, new=True) if new else None
     decision.seconds["proof"] = perf_counter() - began
     verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
-    return Diagnosis(verdict, decision, train, holdout, new, taken.notes)
+    notes = (*taken.notes, *at_bounds(decision.base))
+    return Diagnosis(verdict, decision, train, holdout, new, notes)

@@ -133,7 +133,9 @@ def _duckietown(
     start = min(rows[0][0] for rows in topics.values())
     of_type: dict[str, dict[str, list[tuple[float, Any]]]] = defaultdict(dict)
     for topic, rows in topics.items():
-        of_type[rows[0][1].split("/")[-1]][topic] = [((stamp - start) / 1e9, message) for stamp, _, message in rows]
+        of_type[rows[0][1].split("/")[-1]][topic] = [
+            ((stamp - start) / 1e9, message) for stamp, _, message in rows
+        ]
     found: dict[str, Any] = {}
     command = _first_of(of_type["WheelsCmdStamped"], COMMAND_TOPICS)
     if command:
@@ -160,7 +162,9 @@ def _duckietown(
         found |= {} if track is None else {"pose": track}
         findings.append(finding)
     name = next((topic.split("/")[1] for topic in topics if topic.count("/") > 1), "robot")
-    return Recording(robot=RobotFacts(name=name), source=str(path), checks=tuple(findings), clock_zero=start / 1e9, **found)
+    return Recording(
+        robot=RobotFacts(name=name), source=str(path), checks=tuple(findings), clock_zero=start / 1e9, **found
+    )
 
 
 def _first_of(topics: dict[str, list[Any]], order: tuple[str, ...]) -> list[Any]:

@@ -23,7 +23,11 @@ LONGEST_DRIVE = 30 * 86_400.0  # s: stamps that lie further apart come from a cl
 TOLD_FROM = 60.0  # s: a clock that begins later is told to the reader
 APART = 60  # s: channels whose stamps lie further apart run on different clocks
 EPOCH = (0.9e9, 3.0e9)  # s since 1970: the years 1998 to 2065
-SMALLER_UNITS = (Decimal("1e-3"), Decimal("1e-6"), Decimal("1e-9"))  # s: what epoch stamps are counted in besides
+SMALLER_UNITS = (
+    Decimal("1e-3"),
+    Decimal("1e-6"),
+    Decimal("1e-9"),
+)  # s: what epoch stamps are counted in besides
 ISO = re.compile(
     r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)(?:[.,](\d{1,12}))? ?(Z|UTC|[+-]\d\d:?\d\d)?", re.ASCII
 )

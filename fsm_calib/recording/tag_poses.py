@@ -7,6 +7,9 @@ floor relative to the robot; with the tag's place in the world follows the robot
 
 Several tags in one frame are combined by least squares in the plane with weights 1 / distance^2 (a tag's pose
 error grows with its distance): heading by the mean direction, then the position.
+
+A tag may lie on the floor or stand upright. Its heading is that of its x axis, which runs along its lower edge to the
+right of who reads it; a standing tag may be given by where it faces in its place, a quarter turn less.
 """
 
 from __future__ import annotations
@@ -20,21 +23,22 @@ from typing import Any
 import numpy as np
 
 from fsm_calib.errors import InputError
-from fsm_calib.perception.ground import observe_tags
 from fsm_calib.perception.rotations import base_from_camera
 from fsm_calib.perception.tags import find_tags
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Finding
-from fsm_calib.recording.yaml_places import read_yaml
+from fsm_calib.recording.standing_tags import TAG_SIZE, observe_both
+from fsm_calib.recording.yaml_places import PlacedYaml, read_yaml
 from fsm_calib.types import CameraModel, CameraMount, Frame, Pose2, TagObservation
 
 
 @dataclass(frozen=True)
 class TagMap:
-    """Places of tags, x axis and centre, in the world; where the camera sits on the robot."""
+    """Places of tags, x axis and centre, in the world; where the camera sits on the robot; side of a tag [m]."""
 
     tags: Mapping[int, Pose2]
     mount: CameraMount = field(default_factory=CameraMount)
+    size: float = TAG_SIZE
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,24 +55,35 @@ class TagRow:
 
 
 def read_tag_map(path: Path) -> TagMap:
-    """Read a YAML file ``tags: {NUMBER: {x, y, theta}}`` with an optional ``mount: {forward, left, height,
-    ...}``.
+    """Read a YAML file ``tags: {NUMBER: {x, y, theta}}``, or ``{x, y, faces}`` of a standing tag, with an optional
+    ``size`` and ``mount: {forward, left, height, ...}``.
     """
     placed = read_yaml(path)
     data = placed.data if isinstance(placed.data, dict) else {}
     try:
-        tags = {
-            int(key): Pose2(*(float(value[k]) for k in ("x", "y", "theta")))
-            for key, value in data["tags"].items()
-        }
+        tags = {int(key): _place(value) for key, value in data["tags"].items()}
         mount = CameraMount(**{key: float(value) for key, value in (data.get("mount") or {}).items()})
+        size = float(data.get("size", TAG_SIZE))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InputError(
-            "not a map of tags",
-            where=placed.place(("tags",)),
-            cure="Write: tags: {300: {x: 0.0, y: 0.0, theta: 0.0}}",
-        ) from error
-    return TagMap(tags, mount)
+        raise _no_map(placed) from error
+    numbers = [size, *(n for tag in tags.values() for n in (tag.x, tag.y, tag.theta))]
+    if not np.isfinite(numbers).all() or size <= 0.0:
+        raise _no_map(placed)
+    return TagMap(tags, mount, size)
+
+
+def _place(value: Mapping[str, Any]) -> Pose2:
+    """Return a tag's centre and the heading of its x axis; a print that faces a reader has it to the left of that."""
+    theta = float(value["theta"]) if "theta" in value else float(value["faces"]) + math.pi / 2.0
+    return Pose2(float(value["x"]), float(value["y"]), theta)
+
+
+def _no_map(placed: PlacedYaml) -> InputError:
+    return InputError(
+        "not a map of tags",
+        where=placed.place(("tags",)),
+        cure="Write: tags: {300: {x: 0.0, y: 0.0, theta: 0.0}}; a tag that stands may have faces for theta.",
+    )
 
 
 def rows_of_message(time: float, message: Any) -> list[TagRow]:
@@ -147,7 +162,7 @@ def poses_from_frames(frames: Sequence[Frame], camera: CameraModel, tag_map: Tag
     """Return the robot's pose in every image that shows a mapped tag; None where none does."""
     poses = []
     for frame in frames:
-        seen = observe_tags(find_tags(frame.image), camera, tag_map.mount)
+        seen = observe_both(find_tags(frame.image), camera, tag_map.mount, tag_map.size)
         known = [tag for tag in seen if tag.tag_id in tag_map.tags]
         if known:
             poses.append((frame.time, pose_from_observations(known, tag_map.tags)))
