@@ -1,4 +1,4 @@
-"""Times as loggers write them, read exactly: a recording's clock begins at its first stamp, whatever the stamps count from.
+"""Times as loggers write them, read exactly: a recording's clock begins at its first stamp, whatever that is.
 
 Seconds since 1970 leave a float64 no more than 0.2 us; so the first stamp is taken off in whole decimal numbers, before
 anything becomes a float, and a clock that begins at 1.7e9 s gives the digits of one that begins at zero.
@@ -139,7 +139,7 @@ def refuse_long(rough: FloatArray, where: str) -> None:
     span = float(np.ptp(rough)) if len(rough) else 0.0
     if span > LONGEST_DRIVE:
         raise InputError(
-            f"the stamps of one channel span {span / 86_400.0:.4g} days: the clock was set in between, or this is no time",
+            f"the stamps of one channel span {span / 86_400.0:.4g} days: the clock was set meanwhile, or this is no time",
             where=where,
             cure="Remove the rows from before the clock was set, or name the time column and time_unit.",
         )

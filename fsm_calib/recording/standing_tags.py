@@ -38,7 +38,7 @@ def observe_both(
 
 
 def lean(x_axis: FloatArray, z_axis: FloatArray) -> float:
-    """Return how far a tag is from standing upright [rad]: its axes x and z, (3,) in `base`, are horizontal if it is."""
+    """Return how far a tag is from upright [rad]: its axes x and z, (3,) in `base`, are horizontal if it is."""
     return math.asin(min(max(abs(float(x_axis[2])), abs(float(z_axis[2]))), 1.0))
 
 
