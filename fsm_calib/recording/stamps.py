@@ -139,7 +139,7 @@ def refuse_long(rough: FloatArray, where: str) -> None:
     span = float(np.ptp(rough)) if len(rough) else 0.0
     if span > LONGEST_DRIVE:
         raise InputError(
-            f"the stamps of one channel span {span / 86_400.0:.4g} days: the clock was set meanwhile, or this is no time",
+            f"the stamps of one channel span {span / 86_400.0:.4g} days: the clock was set meanwhile, or it is no time",
             where=where,
             cure="Remove the rows from before the clock was set, or name the time column and time_unit.",
         )
