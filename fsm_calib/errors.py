@@ -84,6 +84,32 @@ class DataError(FsmCalibError):
         super().__init__(f"{shown(problem, 2 * LONGEST_PART)}.{' ' + cure if cure else ''}")
 
 
+class RobotLost(FsmCalibError):
+    """A real robot cannot be driven any further; a port may raise it, and the runner makes it an outcome.
+
+    Parameters
+    ----------
+    problem : str
+        What happened, without a full stop.
+    cure : str
+        What the operator can do about it.
+    """
+
+    exit_code = 1
+
+    def __init__(self, problem: str, *, cure: str = "") -> None:
+        self.problem, self.cure = problem, cure
+        super().__init__(f"{problem}.{' ' + cure if cure else ''}")
+
+
+class LinkLost(RobotLost):
+    """The robot, its camera, its wheel driver or the guard of its wheels does not answer any more."""
+
+
+class EmergencyStopped(RobotLost):
+    """The wheels were stopped for safety: the stop button, a foreign command, the fence, a flat battery."""
+
+
 class MissingExtraError(FsmCalibError):
     """An optional package is needed and not installed."""
 

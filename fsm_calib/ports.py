@@ -1,5 +1,8 @@
 """What a robot is to us: three sockets that a simulated and a real robot both fit.
 
+Every call of a real robot may raise `errors.RobotLost`: the link is gone, or the wheels were stopped for safety. The
+activities do not catch it; the runner ends the run with it.
+
 The actions know a robot only through these protocols; there is no way from here to the truth of a simulated world.
 """
 
@@ -29,6 +32,13 @@ class WheelDrive(Protocol):
 
     def command(self, command: WheelCommand) -> None:
         """Apply a command at once; it holds until the next one."""
+        ...
+
+    def run(self, command: WheelCommand, duration: float) -> None:
+        """Apply a command for `duration` [s], then zero; returns when the wheels are at zero.
+
+        A real robot's wheels are timed next to their driver: a program that wakes late lengthens no push.
+        """
         ...
 
 

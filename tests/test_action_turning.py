@@ -29,6 +29,9 @@ class Slides:
     def wait(self, duration: float) -> None:
         pass
 
+    def run(self, command: WheelCommand, duration: float) -> None:
+        self.commands.append(command)
+
     def now(self) -> float:
         return 0.0
 

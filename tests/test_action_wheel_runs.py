@@ -22,6 +22,9 @@ class Wheels:
     def command(self, command: WheelCommand) -> None:
         self.commands.append(command)
 
+    def run(self, command: WheelCommand, duration: float) -> None:
+        self.commands += [command, STOP]
+
     def wait(self, duration: float) -> None:
         pass
 

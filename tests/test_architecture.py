@@ -19,6 +19,7 @@ ROOMS = {
     "machines": GROUND | {"outcome"},
     "actions": GROUND | {"ports", "perception", "outcome"},
     "recording": GROUND | {"perception"},
+    "robots": GROUND | {"ports", "recording", "world2d"},
     "diagnosis": GROUND | {"recording", "world2d"},
 }
 COMPOSERS = {

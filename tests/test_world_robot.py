@@ -42,7 +42,16 @@ def test_the_simulated_robot_fits_the_port():
 def test_there_is_no_public_way_from_the_port_to_the_truth():
     robot = make_world(WorldSpec(scene=BARE)).robot
     public = {name for name in dir(robot) if not name.startswith("_")}
-    assert public == {"capture", "command", "command_log", "fast_forward", "frames_taken", "now", "wait"}
+    assert public == {
+        "capture",
+        "command",
+        "command_log",
+        "fast_forward",
+        "frames_taken",
+        "now",
+        "run",
+        "wait",
+    }
 
 
 def test_same_specification_gives_the_same_run_bit_for_bit():

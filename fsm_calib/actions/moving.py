@@ -5,16 +5,14 @@ rest.
 from __future__ import annotations
 
 from fsm_calib.actions.bench import Bench
-from fsm_calib.types import STOP, WheelCommand
+from fsm_calib.types import WheelCommand
 
 CLOCKWISE, COUNTERCLOCKWISE = "clockwise", "counterclockwise"
 
 
 def run_wheels(bench: Bench, command: WheelCommand, duration: float, settle: float) -> None:
     """Apply `command` for `duration` [s], stop, and wait for `settle` [s]."""
-    bench.robot.command(command)
-    bench.robot.wait(duration)
-    bench.robot.command(STOP)
+    bench.robot.run(command, duration)
     bench.robot.wait(settle)
 
 

@@ -92,7 +92,9 @@ def reason(result: dict[str, Any], scenario: Path, directory: Path) -> str:
     """Return why a run did not get done, and the cure."""
     failure = result["failure"]
     if failure is None:
-        return f"fsm-calib: the run was stopped. Go on with: fsm-calib run {scenario} --resume {directory}"
+        lost = result.get("lost")
+        why = "the run was stopped." if lost is None else f"{lost['name']}: {lost['reason']} {lost['cure']}"
+        return f"fsm-calib: {why} Go on with: fsm-calib run {scenario} --resume {directory}"
     return f"fsm-calib: {failure['name']}: {failure['reason']} {failure['cure']}"
 
 
@@ -103,26 +105,54 @@ def summary(result: dict[str, Any], directory: Path) -> str:
     lines = [f"outcome      {result['outcome']}"]
     camera, wheels, lane, seconds = (result[name] for name in ("camera", "wheels", "in_lane", "seconds"))
     if camera:
-        lines.append(
-            f"camera       {camera['true_px']:.2f} px from the truth "
-            f"(predicted {camera['predicted_px']:.2f} px, rms {camera['rms_px']:.3f} px, "
-            f"{camera['views_used']} views)"
-        )
+        lines.append(f"camera       {_camera_error(camera)}")
         if camera["reached"] is False:
             lines.append(f"             {scan_verdict(camera)}")
     if wheels:
         lines.append(
-            f"wheels       k = {wheels['wheel_ratio']:.4f} (true {wheels['true_wheel_ratio']:.4f}) "
-            f"after {wheels['iterations']} iterations; {_centimetres(wheels['deviation_2m_m'])} after 2 m"
+            f"wheels       k = {wheels['wheel_ratio']:.4f} ({_ratio_error(wheels)}) "
+            f"after {wheels['iterations']} iterations{_after_2m(wheels)}"
         )
     if lane:
-        before, after = _centimetres(lane["deviation_before_m"]), _centimetres(lane["deviation_after_m"])
-        ratios = f"k = {lane['wheel_ratio_before']:.4f} -> {lane['wheel_ratio_after']:.4f}"
-        lines.append(f"in the lane  {ratios}; {before} -> {after} after 2 m")
+        lines.append(f"in the lane  {_lane_change(lane)}")
     lines.append(f"time         {seconds['simulated']:.1f} s simulated in {seconds['wall']:.1f} s")
     total = sum(seconds["by_part"].values()) or 1.0
     parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in seconds["by_part"].items())
     return "\n".join([*lines, f"by part      {parts}", f"files        {directory}/"])
+
+
+def _camera_error(camera: dict[str, Any]) -> str:
+    """Return the camera's error as text: true, where there is a truth, and predicted."""
+    figures = f"rms {camera['rms_px']:.3f} px, {camera['views_used']} views"
+    predicted = f"{camera['predicted_px']:.2f} px"
+    if "true_px" not in camera:
+        return f"{predicted} off, as predicted ({figures})"
+    return f"{camera['true_px']:.2f} px from the truth (predicted {predicted}, {figures})"
+
+
+def _lane_change(lane: dict[str, Any]) -> str:
+    """Return what the lane changed as text; the deviations where they were scored."""
+    ratios = f"k = {lane['wheel_ratio_before']:.4f} -> {lane['wheel_ratio_after']:.4f}"
+    if "true_wheel_ratio" not in lane:
+        return ratios
+    before, after = _centimetres(lane["deviation_before_m"]), _centimetres(lane["deviation_after_m"])
+    return f"{ratios}; {before} -> {after} after 2 m"
+
+
+def _ratio_error(wheels: dict[str, Any]) -> str:
+    """Return the true k as text, or the error of the one found."""
+    if "true_wheel_ratio" in wheels:
+        return f"true {wheels['true_wheel_ratio']:.4f}"
+    error = wheels.get("wheel_ratio_error")
+    return "error unknown" if error is None else f"+- {error:.4f}"
+
+
+def _after_2m(wheels: dict[str, Any]) -> str:
+    """Return the deviation of a test drive as text; empty where it was not scored."""
+    deviation = wheels["deviation_2m_m"]
+    if deviation is None and "true_wheel_ratio" not in wheels:
+        return ""
+    return f"; {_centimetres(deviation)} after 2 m"
 
 
 def _centimetres(metres: float | None) -> str:

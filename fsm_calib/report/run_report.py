@@ -70,8 +70,11 @@ def cards(result: Mapping[str, Any]) -> list[Card]:
     if camera.get("true_px") is not None:
         remark = f"rms {camera['rms_px']:.3f} px, {camera['views_used']} views"
         found.append(Card("camera error", f"{camera['true_px']:.2f} px", remark, camera["true_px"] <= 0.6))
+    elif camera.get("predicted_px") is not None:
+        remark = f"predicted; rms {camera['rms_px']:.3f} px, {camera['views_used']} views"
+        found.append(Card("camera error", f"{camera['predicted_px']:.2f} px", remark, camera["reached"]))
     if wheels.get("wheel_ratio") is not None:
-        remark = f"true {wheels['true_wheel_ratio']:.4f}, {wheels['iterations']} iterations"
+        remark = f"{_ratio_remark(wheels)}{wheels['iterations']} iterations"
         found.append(Card("wheel ratio k", f"{wheels['wheel_ratio']:.4f}", remark))
     if wheels.get("deviation_2m_m") is not None:
         deviation = wheels["deviation_2m_m"]
@@ -82,6 +85,14 @@ def cards(result: Mapping[str, Any]) -> list[Card]:
     seconds = result["seconds"]
     remark = f"computed in {seconds['wall']:.1f} s"
     return [*found, Card("robot time", f"{seconds['simulated']:.0f} s", remark)]
+
+
+def _ratio_remark(wheels: Mapping[str, Any]) -> str:
+    """Return the true k, or the error of the one found, with a comma behind it; empty where neither is known."""
+    if "true_wheel_ratio" in wheels:
+        return f"true {wheels['true_wheel_ratio']:.4f}, "
+    error = wheels.get("wheel_ratio_error")
+    return "" if error is None else f"+- {error:.4f}, "
 
 
 def rows(values: Any, prefix: str = "") -> list[tuple[str, str]]:

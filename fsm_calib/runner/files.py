@@ -19,6 +19,8 @@ from fsm_calib.perception.static_boards import calibrate_scan
 from fsm_calib.report.run_record import RunRecord
 from fsm_calib.runner.result import calibration_of, test_drives
 from fsm_calib.runner.session import Session
+from fsm_calib.scenario.models import Scenario
+from fsm_calib.world2d.robot import WorldSpec
 
 RESULT_NAME = "result.json"
 REPORT_NAME = "report.html"
@@ -69,7 +71,7 @@ def record_of(directory: Path, session: Session, result: Mapping[str, Any]) -> R
     return RunRecord(
         directory=directory,
         scenario=session.scenario,
-        scene=session.world.spec.scene,
+        scene=session.spec.scene,
         board=session.settings.board,
         result=result,
         events=list(read_journal(directory / JOURNAL_NAME)),
@@ -77,7 +79,7 @@ def record_of(directory: Path, session: Session, result: Mapping[str, Any]) -> R
         calibration=session.run.bench.calibration or _solved_again(session),
         pictures=session.run.gallery.pictures,
         settings=settings_of(session),
-        track=session.world.truth.trace,
+        track=session.connection.track(),
         paths=test_drives(session),
     )
 
@@ -95,26 +97,40 @@ def _solved_again(session: Session) -> CameraCalibration | None:
 
 def settings_of(session: Session) -> dict[str, Any]:
     """Return every setting of the run, by group."""
-    spec = session.world.spec
+    spec, world = session.spec, session.world
+    simulation = {} if world is None else _simulation(spec)
     return {
         "scenario": session.scenario.model_dump(include={"name", "seed", "plan", "published", "output"}),
-        "robot": {
-            "name": spec.robot.name,
-            "wheel_ratio": spec.robot.wheel_ratio,
-            "speed": spec.robot.speed,
-            "axle_length": spec.robot.axle_length,
-            "defocus": spec.robot.defocus,
-            "mount": spec.robot.mount,
-            "effects": dict(spec.robot.effects),
-        },
+        "robot": _simulated_robot(spec) if world else _real_robot(session.scenario),
         "scene": spec.scene,
-        "world": spec.settings,
-        "sensor": spec.optics,
-        "wear": spec.wear,
-        "faults": {str(number): fault for number, fault in enumerate(spec.faults)},
+        **simulation,
         "limits": session.limits,
         "actions": session.settings,
     }
+
+
+def _simulated_robot(spec: WorldSpec) -> dict[str, Any]:
+    """Return the settings of a simulated robot."""
+    return {
+        "name": spec.robot.name,
+        "wheel_ratio": spec.robot.wheel_ratio,
+        "speed": spec.robot.speed,
+        "axle_length": spec.robot.axle_length,
+        "defocus": spec.robot.defocus,
+        "mount": spec.robot.mount,
+        "effects": dict(spec.robot.effects),
+    }
+
+
+def _real_robot(scenario: Scenario) -> dict[str, Any]:
+    """Return the settings of a real robot: where it is reached, and its link."""
+    return scenario.robot.model_dump(include={"name", "connect", "vehicle", "host", "port", "link"})
+
+
+def _simulation(spec: WorldSpec) -> dict[str, Any]:
+    """Return the settings that only a simulation has."""
+    faults = {str(number): fault for number, fault in enumerate(spec.faults)}
+    return {"world": spec.settings, "sensor": spec.optics, "wear": spec.wear, "faults": faults}
 
 
 def write_report(directory: Path, session: Session, result: Mapping[str, Any]) -> Path:

@@ -37,12 +37,29 @@ class LoggedRobot:
 
     def command(self, command: WheelCommand) -> None:
         """Apply a command; see `ports.WheelDrive`."""
+        self._log(command)
+        self._robot.command(command)
+
+    def run(self, command: WheelCommand, duration: float) -> None:
+        """Apply a command for `duration` [s], then zero; see `ports.WheelDrive`."""
+        self._log(command)
+        with self._parts.part("physics"):
+            self._robot.run(command, duration)
+        self._log(STOP)
+
+    def _log(self, command: WheelCommand) -> None:
+        """Note a command with the time at which it begins.
+
+        Raises
+        ------
+        DataError
+            The command is not finite.
+        """
         if not (math.isfinite(command.left) and math.isfinite(command.right)):
             raise DataError(
                 f"a wheel command is not finite: {command}", cure="Report it with scenario and seed."
             )
         self._commands.append((self._robot.now(), command.left, command.right))
-        self._robot.command(command)
 
     def wait(self, duration: float) -> None:
         """Let time pass; see `ports.Clock`."""

@@ -7,10 +7,12 @@ kills the program, the journal holds whole events and the checkpoint says where 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 from fsm_calib.actions.bench import Bench
+from fsm_calib.errors import RobotLost
 from fsm_calib.journal import Journal
 from fsm_calib.machines.runtime import CalibrationMachine, Fired
 from fsm_calib.outcome import Outcome
@@ -50,6 +52,8 @@ class Run:
         What every checkpoint begins with: which scenario it belongs to.
     sequence : int
         Number of the next event.
+    lost : RobotLost or None
+        Why a real robot could not be driven any further.
     """
 
     machine: CalibrationMachine
@@ -63,6 +67,7 @@ class Run:
     gallery: Gallery
     heading: Mapping[str, Any]
     sequence: int = 0
+    lost: RobotLost | None = None
 
 
 def run_to_end(run: Run) -> None:
@@ -71,7 +76,8 @@ def run_to_end(run: Run) -> None:
         while run.machine.activity is not None:
             step(run)
     finally:
-        run.robot.stop()
+        with suppress(RobotLost):
+            run.robot.stop()
 
 
 def step(run: Run) -> None:
@@ -81,8 +87,13 @@ def step(run: Run) -> None:
         return
     before = run.machine.state
     run.bench.briefing = run.machine.briefing
-    with run.parts.part("activities"):
-        outcome = run.activities[activity](run.bench)
+    try:
+        with run.parts.part("activities"):
+            outcome = run.activities[activity](run.bench)
+    except RobotLost as lost:
+        run.lost = lost
+        step_abort(run, lost_outcome(lost))
+        return
     with run.parts.part("machines"):
         fired = run.machine.fire(outcome)
     with run.parts.part("journal"):
@@ -92,11 +103,20 @@ def step(run: Run) -> None:
     run.observer.event(run.machine.state, phase, outcome, run.robot.now())
 
 
+def lost_outcome(lost: RobotLost) -> Outcome:
+    """Return the loss of a real robot as an outcome: it ends the run like the operator's wish."""
+    return Outcome("abort", {"lost": type(lost).__name__}, f"{lost.problem}.", lost.cure)
+
+
 def step_abort(run: Run, outcome: Outcome) -> None:
-    """End the run at the operator's wish: a journal line, but no checkpoint, so that it can still go on."""
+    """End the run at the operator's wish, or because the robot is lost.
+
+    A journal line, but no checkpoint, so that it can still go on.
+    """
     if run.machine.is_terminal:
         return
-    run.robot.stop()
+    with suppress(RobotLost):  # the guard has stopped the wheels, or nothing here can
+        run.robot.stop()
     fired = run.machine.fire(outcome)
     run.journal.append(event_record(run, "", outcome, fired))
     run.observer.event(run.machine.state, "", outcome, run.robot.now())

@@ -2,7 +2,7 @@
 
 Commands and states come from the journal. Poses are those that a camera over the area would have measured:
 the true path of the base with white noise (`output.pose_noise`, `output.heading_noise`); the robot itself
-never sees them.
+never sees them. Nobody measured the poses of a real robot: its recording has none.
 """
 
 from __future__ import annotations
@@ -56,11 +56,14 @@ def recording_of(session: Session, events: Sequence[Mapping[str, Any]]) -> Recor
         axle_length=nominal.axle_length,
         max_wheel_rate=nominal.motor_constant,
     )
-    rng = np.random.default_rng([session.scenario.seed, NOISE_STREAM])
+    poses = None
+    if session.world is not None:
+        rng = np.random.default_rng([session.scenario.seed, NOISE_STREAM])
+        poses = poses_of(session.connection.track(), session.scenario.output, rng)
     return Recording(
         robot=facts,
         command=commands_of(events),
-        pose=poses_of(session.world.truth.trace, session.scenario.output, rng),
+        pose=poses,
         state=states_of(events),
     )
 

@@ -1,10 +1,12 @@
-"""What a run found, scored against the world: the content of result.json.
+"""What a run found, scored against the world where it is a simulated one: the content of result.json.
 
-`true_*` and the deviations come from the world, for scoring only; nothing here goes back to the robot.
+`true_*` and the deviations come from the world, for scoring only; nothing here goes back to the robot. A real robot's
+result has neither: it tells the predicted error of the camera and k with its standard error.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,8 @@ from fsm_calib.world2d.deviation import TEST_COMMAND, TEST_DISTANCE, straight_de
 SLOW = 0.05
 """Speed that a test drive is expected to reach at least [m/s]; it bounds the drive that is drawn."""
 
+LAST_DRIVES = 3
+"""Drives at the end whose scatter tells the error of k: as many as must be quiet in a row."""
 DRAWN_EVERY = 10
 """Every tenth pose of a test drive is drawn: 0.02 s apart."""
 
@@ -37,7 +41,7 @@ def result_of(session: Session, wall: float, by_part: dict[str, float]) -> dict[
     by_part : dict
         Wall time of each part [s].
     """
-    run, truth = session.run, session.world.truth
+    run = session.run
     failure = run.machine.failure
     result = {
         "outcome": outcome_of(run.machine.state),
@@ -50,11 +54,14 @@ def result_of(session: Session, wall: float, by_part: dict[str, float]) -> dict[
         "wheels": wheels_result(session),
         "exit": exit_result(session),
         "in_lane": lane_result(session),
-        "distance_m": truth.odometer,
+        "distance_m": distance(session),
         "events": run.sequence,
         "frames": run.robot.frames,
         "seconds": {"simulated": run.robot.now(), "wall": wall, "by_part": by_part},
     }
+    if run.lost is not None:
+        lost = {"name": type(run.lost).__name__, "reason": f"{run.lost.problem}.", "cure": run.lost.cure}
+        result["lost"] = lost
     return plain(result)
 
 
@@ -74,12 +81,13 @@ def camera_result(session: Session) -> dict[str, Any] | None:
     camera, figures = notebook.camera, notebook.figures
     if camera is None or figures is None:
         return None
-    boards = range(len(session.world.spec.scene.boards))
+    truth = session.truth
+    boards = range(len(session.spec.scene.boards))
     return {
         **fitted_values(camera, figures),
         "predicted_px": figures.predicted_px,
         "cross_validated_px": figures.cross_validated_px,
-        "true_px": projection_difference(camera, session.world.truth.camera).rms,
+        **({} if truth is None else {"true_px": projection_difference(camera, truth.camera).rms}),
         "target_px": figures.target_px,
         "reached": figures.is_reached,
         "weakest_part": figures.weakest,
@@ -110,10 +118,29 @@ def wheels_result(session: Session) -> dict[str, Any] | None:
     ratio = ratio_before_lane(notebook)
     return {
         "wheel_ratio": ratio,
-        "true_wheel_ratio": session.world.truth.wheel_ratio,
+        **true_ratio(session),
         "iterations": len(notebook.runs),
         "deviation_2m_m": deviation(session, ratio),
     }
+
+
+def true_ratio(session: Session) -> dict[str, float]:
+    """Return the true k of a simulated robot; of a real one, the standard error of the k found [1], where it can
+    be told: that of the mean of the quiet drives at the end.
+    """
+    if session.truth is not None:
+        return {"true_wheel_ratio": session.truth.wheel_ratio}
+    last = [run.wheel_ratio + run.k_i - 1.0 for run in session.run.bench.notebook.runs[-LAST_DRIVES:]]
+    if len(last) < LAST_DRIVES:
+        return {}
+    return {"wheel_ratio_error": float(np.std(last, ddof=1) / math.sqrt(len(last)))}
+
+
+def distance(session: Session) -> float:
+    """Return the path of the axle's centre [m]: true, or dead-reckoned for a real robot."""
+    if session.truth is not None:
+        return session.truth.odometer
+    return float(np.linalg.norm(np.diff(session.connection.track()[:, 1:3], axis=0), axis=1).sum())
 
 
 def ratio_before_lane(notebook: Notebook) -> float:
@@ -124,13 +151,14 @@ def ratio_before_lane(notebook: Notebook) -> float:
 def lane_result(session: Session) -> dict[str, Any] | None:
     """Return what the refinement in the lane changed; None when it did not begin."""
     notebook = session.run.bench.notebook
+    truth = session.truth
     if notebook.lane_before is None:
         return None
     return {
         "wheel_ratio_before": notebook.lane_before,
         "wheel_ratio_after": notebook.wheel_ratio,
         "applied": notebook.wheel_ratio != notebook.lane_before,
-        "true_wheel_ratio": session.world.truth.wheel_ratio,
+        **({} if truth is None else {"true_wheel_ratio": truth.wheel_ratio}),
         "markers": len(notebook.lane_runs),
         "deviation_before_m": deviation(session, notebook.lane_before),
         "deviation_after_m": deviation(session, notebook.wheel_ratio),
@@ -147,22 +175,31 @@ def exit_result(session: Session) -> dict[str, Any] | None:
 
 
 def deviation(session: Session, ratio: float) -> float | None:
-    """Return the deviation after 2 m [m], right positive, as the robot is now; None without a drive."""
+    """Return the deviation after 2 m [m], right positive, as the robot is now; None without a drive, and
+    for a real robot.
+    """
+    if session.truth is None:
+        return None
     try:
-        return straight_deviation(session.world.truth.parameters, ratio)
+        return straight_deviation(session.truth.parameters, ratio)
     except DataError:
         return None
 
 
 def test_drives(session: Session) -> dict[str, FloatArray]:
-    """Return the paths of 2 m test drives, shape (n, 2) [m]: uncalibrated, calibrated, and after the lane."""
+    """Return the paths of 2 m test drives, shape (n, 2) [m]: uncalibrated, calibrated, and after the lane.
+
+    A real robot has none: nobody knows its truth.
+    """
     notebook = session.run.bench.notebook
+    if session.truth is None:
+        return {}
     drives = {"before": notebook.ratio_history[0]}
     if notebook.runs:
         drives["after"] = ratio_before_lane(notebook)
     if notebook.lane_before is not None:
         drives["after lane"] = notebook.wheel_ratio
-    parameters = session.world.truth.parameters
+    parameters = session.truth.parameters
     return {name: test_path(parameters, ratio) for name, ratio in drives.items()}
 
 

@@ -74,6 +74,7 @@ def run_scenario(
         session = start(scenario, directory, parts, observer or Silent())
         with stop_on_signals():
             drive(session)
+        session.connection.close()
         with parts.part("report"):
             result = result_of(session, 0.0, {})
             files.write_calibrations(directory, session)

@@ -9,28 +9,25 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fsm_calib.actions import ACTIVITIES, ActionSettings, Bench
 from fsm_calib.errors import DataError
-from fsm_calib.journal import JOURNAL_NAME, Journal, read_checkpoint, read_journal
+from fsm_calib.journal import Journal, read_checkpoint
 from fsm_calib.machines.books import Books
 from fsm_calib.machines.limits import Limits
 from fsm_calib.machines.runtime import CalibrationMachine
+from fsm_calib.robots.connection import Connection
+from fsm_calib.runner.connecting import connect, drive_again
 from fsm_calib.runner.gallery import Gallery
 from fsm_calib.runner.knowledge import teach
-from fsm_calib.runner.logged import LoggedCommand, LoggedRobot
+from fsm_calib.runner.logged import LoggedRobot
 from fsm_calib.runner.loop import Run
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Observer
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.settings import actions_of, limits_of
 from fsm_calib.scenario.world import world_of
-from fsm_calib.types import WheelCommand
-from fsm_calib.world2d.robot import World, make_world
-
-POSE_TOLERANCE = 1e-9
-"""How far a world that was driven again may be from the journal [m, rad]: rounding of another machine."""
+from fsm_calib.world2d.robot import World, WorldSpec
+from fsm_calib.world2d.truth import Truth
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +38,10 @@ class Session:
     ----------
     scenario : Scenario
         What was asked for.
-    world : World
-        The world; its truth is for scoring and pictures.
+    spec : WorldSpec
+        The area that the scenario draws; and the simulated robot in it.
+    connection : Connection
+        The robot, simulated or real.
     limits : Limits
         The machines' limits.
     settings : ActionSettings
@@ -52,10 +51,21 @@ class Session:
     """
 
     scenario: Scenario
-    world: World
+    spec: WorldSpec
+    connection: Connection
     limits: Limits
     settings: ActionSettings
     run: Run
+
+    @property
+    def world(self) -> World | None:
+        """The simulated world, whose truth is for scoring and pictures; None when the robot is a real one."""
+        return self.connection.world
+
+    @property
+    def truth(self) -> Truth | None:
+        """What truly is, for scoring and pictures; None when the robot is a real one."""
+        return None if self.connection.world is None else self.connection.world.truth
 
 
 def new_session(scenario: Scenario, directory: Path, parts: Parts, observer: Observer) -> Session:
@@ -99,16 +109,16 @@ def _session(
     spec = world_of(scenario)
     limits, settings = limits_of(scenario, spec.scene), actions_of(scenario, spec.scene)
     with parts.part("compiling"):
-        world = make_world(spec)
+        connection = connect(scenario, spec)
     frames = state["frames"] if state else 0
-    robot = LoggedRobot(world.robot, parts, frames)
+    robot = LoggedRobot(connection.robot, parts, frames)
     run = Run(
         machine=_machine(scenario, limits, state),
         bench=Bench(robot, settings),
         robot=robot,
         journal=Journal(directory, state["journal_length"] if state else 0),
         activities=ACTIVITIES,
-        pose=lambda: list(_pose(world)),
+        pose=connection.pose,
         parts=parts,
         observer=observer,
         gallery=_gallery(scenario, directory, state),
@@ -120,8 +130,9 @@ def _session(
         run.sequence = state["sequence"]
         run.bench.from_state(state["bench"])
         with parts.part("physics"):
-            _drive_again(world, directory, state)
-    return Session(scenario, world, limits, settings, run)
+            if connection.world is not None:
+                drive_again(connection, connection.world, directory, state)
+    return Session(scenario, spec, connection, limits, settings, run)
 
 
 def _machine(scenario: Scenario, limits: Limits, state: dict[str, Any] | None) -> CalibrationMachine:
@@ -135,26 +146,3 @@ def _gallery(scenario: Scenario, directory: Path, state: dict[str, Any] | None) 
     """Return the gallery; its frames are shared out among the phases."""
     most = -(-scenario.output.frames // len(scenario.plan))
     return Gallery.from_state(directory, most, state["gallery"] if state else [])
-
-
-def _pose(world: World) -> tuple[float, float, float]:
-    """Return the true pose [m, m, rad]."""
-    pose = world.truth.pose
-    return pose.x, pose.y, pose.theta
-
-
-def _drive_again(world: World, directory: Path, state: dict[str, Any]) -> None:
-    """Bring a new world to where the journal ends, and check that it is there."""
-    commands: list[LoggedCommand] = []
-    pose: list[float] = []
-    for event in read_journal(directory / JOURNAL_NAME):
-        commands += [tuple(command) for command in event["commands"]]
-        pose = event["pose"]
-    log = [(time, WheelCommand(left, right)) for time, left, right in commands]
-    world.robot.fast_forward(log, state["time"], state["frames"])
-    error = float(np.abs(np.subtract(_pose(world), pose)).max())
-    if not error <= POSE_TOLERANCE:
-        problem = f"driven again, the robot is {error:.3g} m or rad away from where the journal says"
-        raise DataError(
-            problem, cure="Run again without --resume; the journal was changed or is of another version."
-        )

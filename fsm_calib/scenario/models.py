@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from fsm_calib.machines.supervisor import PHASES
+from fsm_calib.robots.address import VEHICLE_PATTERN
 from fsm_calib.scenario.mirrors import (
     ActionsSection,
     BaseSection,
@@ -16,6 +17,7 @@ from fsm_calib.scenario.mirrors import (
     FaultSection,
     FieldSection,
     LimitsSection,
+    LinkSection,
     MountSection,
     Phase,
     PlacedBoard,
@@ -90,6 +92,30 @@ class RobotSection(Section):
         max_length=64,
         description="Name of the robot and of its calibration files.",
     )
+    connect: Literal["simulated", "ros1", "dtps"] = Field(
+        default="simulated",
+        description="`simulated`: in the world of this file; `ros1`: a real robot with Duckietown's daffy; `dtps`: "
+        "with ente. What describes a simulated robot is then without effect; the scene is the real area's drawing.",
+    )
+    vehicle: str | None = Field(
+        default=None,
+        pattern=f"^{VEHICLE_PATTERN}$",
+        max_length=64,
+        description="What a real robot's topics begin with; by default `name`.",
+    )
+    host: str | None = Field(
+        default=None,
+        min_length=1,
+        max_length=253,
+        description="Where a real robot is reached; by default `VEHICLE.local`.",
+    )
+    port: int | None = Field(
+        default=None,
+        gt=0,
+        lt=65536,
+        description="Port of the ROS master (11311) or DTPS switchboard (11511).",
+    )
+    link: LinkSection = LinkSection()
     source: Literal["nominal", "fleet"] = Field(
         default="fleet",
         description="`nominal`: equal wheels and the fleet's median camera; `fleet`: drawn with the seed "

@@ -65,6 +65,12 @@ class SimulatedRobot:
         )
         self.__log.append((self.now(), self.__command))
 
+    def run(self, command: WheelCommand, duration: float) -> None:
+        """Apply `command` for `duration` [s], then zero; see `command` and `wait`."""
+        self.command(command)
+        self.wait(duration)
+        self.command(STOP)
+
     def capture(self) -> Frame | None:
         """Expose one frame that ends now; None when the camera delivers nothing."""
         return self.__shutter.capture(self.__motion)
