@@ -19,6 +19,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from fsm_calib.commands.options import EffectsOption
 from fsm_calib.errors import LONGEST_PART, FsmCalibError, shown
 
 COMMAND_MODULES: tuple[str, ...] = (
@@ -89,6 +90,7 @@ def _options(
 @app.command()
 def validate(
     scenario: Annotated[Path, typer.Argument(help="A scenario or study file.", show_default=False)],
+    effects: EffectsOption = None,
 ) -> None:
     """Check a scenario or a study: every error at once, each with file:line:column."""
     from fsm_calib.scenario.load import scenario_from
@@ -109,6 +111,7 @@ def validate(
 def schema(
     out: Annotated[Path | None, typer.Option(help="Write to this file instead of standard output.")] = None,
     study: Annotated[bool, typer.Option("--study", help="The schema of study files instead.")] = False,
+    effects: EffectsOption = None,
 ) -> None:
     """Print the JSON Schema of scenario files, or of study files, for editors."""
     from fsm_calib.scenario.schema import schema_text

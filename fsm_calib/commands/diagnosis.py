@@ -12,6 +12,7 @@ import typer
 
 from fsm_calib.commands.files import check_places, tell_result, write_file
 from fsm_calib.commands.given import TagMapFile, recordings_given
+from fsm_calib.commands.options import EffectsOption
 
 if TYPE_CHECKING:
     from fsm_calib.diagnosis.diagnose import Diagnosis
@@ -51,6 +52,7 @@ def diagnose_command(
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the significance test.")] = 0,
     tag_map: TagMapFile = None,
+    effects: EffectsOption = None,
 ) -> None:
     """Compare recordings with the simulation: locate the mismatch, name the physics, show the fit improve."""
     from fsm_calib.diagnosis.diagnose import diagnose
@@ -157,6 +159,7 @@ def _degrees(value: float | None) -> str:
 
 def effects_command(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+    effects: EffectsOption = None,
 ) -> None:
     """Print the catalogue of effects: equation, parameters, where each shows, what separates it from its rivals."""
     from fsm_calib.world2d.effects.catalogue import table

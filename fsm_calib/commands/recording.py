@@ -9,6 +9,7 @@ import typer
 
 from fsm_calib.commands.files import check_places, tell_result
 from fsm_calib.commands.given import TagMapFile, recordings_given
+from fsm_calib.commands.options import EffectsOption
 
 
 def register(app: typer.Typer) -> None:
@@ -31,6 +32,7 @@ def identify_command(
         ),
     ] = None,
     tag_map: TagMapFile = None,
+    effects: EffectsOption = None,
 ) -> None:
     """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
     from fsm_calib.diagnosis.identify.identify import identify

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fsm_calib.commands.options import EffectsOption
 from fsm_calib.errors import InputError
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ def run(
     resume: Annotated[
         Path | None, typer.Option(help="Go on with the run in this directory.", show_default=False)
     ] = None,
+    effects: EffectsOption = None,
 ) -> None:
     """Calibrate a robot as a scenario says: camera, wheels, exit, lane."""
     from fsm_calib.runner.progress import ProgressBar

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fsm_calib.commands.options import EffectsOption
 from fsm_calib.errors import DataError, InputError
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def study(
         Path | None,
         typer.Option(help="Also renew this study's section of a Markdown page.", show_default=False),
     ] = None,
+    effects: EffectsOption = None,
 ) -> None:
     """Calibrate many robots by hand and automatically, and compare; a killed command goes on where it was."""
     from fsm_calib.report.study_files import write_page, write_study

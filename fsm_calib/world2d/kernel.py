@@ -16,7 +16,6 @@ import logging
 import os
 import shutil
 import sys
-from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -24,7 +23,9 @@ from typing import Any
 import numba
 
 from fsm_calib.world2d import arithmetic, dynamics, forces, loop, slots, tyres
-from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.effects import Effect, per_catalogue, registry
+from fsm_calib.world2d.effects.code import constants_of, files_of, texts_of
+from fsm_calib.world2d.effects.vocabulary import COMPILED_HOOKS
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.private_folder import private_folder
 
@@ -88,7 +89,7 @@ def _calls(stage: str, bare: bool, template: str, indent: str = "    ") -> str:
 def _imports(bare: bool) -> str:
     """Return the import lines of all compiled hooks."""
     lines = []
-    for stage in ("begin", "shape", "delay", "step"):
+    for stage in COMPILED_HOOKS:
         for effect in _hooked(stage, bare):
             hook = effect.hooks[stage]
             lines.append(f"from {hook.__module__} import {hook.__name__} as {effect.name}_{stage}\n")
@@ -135,24 +136,29 @@ def _loop_text() -> str:
     return "\n\n".join(parts)
 
 
-def _digest(text: str) -> str:
-    """Return a hash of the woven text and of every file whose code it calls."""
+def _digest(text: str, bare: bool) -> str:
+    """Return a hash of the woven text, of every file whose code it calls wherever it lies, and of the constants in it.
+
+    The files are those of the hooks and of all compiled functions that they call: an effect from outside that was
+    edited never runs its old machine code.
+    """
     digest = hashlib.sha256(text.encode())
-    digest.update(sys.version.encode())
-    files = {inspect.getfile(m) for m in (arithmetic, dynamics, forces, tyres, slots, loop)}
-    folder = Path(inspect.getfile(Effect)).parent
-    for file in sorted(files | {str(p) for p in folder.glob("*.py")}):
-        digest.update(Path(file).read_bytes())
+    digest.update(f"{sys.version} {numba.__version__}".encode())
+    hooks = [effect.hooks[stage] for stage in COMPILED_HOOKS for effect in _hooked(stage, bare)]
+    files = {Path(inspect.getfile(m)) for m in (arithmetic, dynamics, forces, tyres, slots, loop)}
+    for file in sorted(files | files_of(hooks)):
+        digest.update(file.read_bytes())
+    digest.update("\n".join([*texts_of(hooks), *constants_of(hooks)]).encode())
     return digest.hexdigest()[:20]
 
 
 def woven_source(bare: bool = False) -> str:
     """Return the text of the whole module."""
     text = _imports(bare) + "\n\n" + _stages(bare) + _loop_text()
-    return HEADER.format(digest=_digest(text), outputs=loop.OUTPUTS) + text
+    return HEADER.format(digest=_digest(text, bare), outputs=loop.OUTPUTS) + text
 
 
-@cache
+@per_catalogue
 def kernel(bare: bool = False) -> ModuleType:
     """Return the woven module (`run`, `run_many`, `ride`, `begin`, `shape`, `delay`); compiles on
     first call. The bare one knows no effect: the same arithmetic, and a fraction of the code to compile.

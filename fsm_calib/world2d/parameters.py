@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
 from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects import Effect, Parameter, registry
+from fsm_calib.world2d.effects import Effect, Parameter, per_catalogue, registry
 
 KINEMATICS = (
     "Duckietown kinematics node: motor constant 27 rad/s, radius 0.0318 m; DB18 model 0.6 m/s at full command"
@@ -164,7 +163,7 @@ class ParameterTable:
         return image
 
 
-@cache
+@per_catalogue
 def parameter_table() -> ParameterTable:
     """Return the table of the base and all registered effects."""
     entries, names, owner, first = list(BASE), [p.name for p in BASE], [""] * len(BASE), {}

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.errors import InputError
 from fsm_calib.types import FloatArray, read_only
-from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.kernel import kernel, memory_places
 from fsm_calib.world2d.loop import OUTPUTS
 from fsm_calib.world2d.parameters import parameter_table
@@ -70,7 +69,7 @@ class Drive:
         return np.r_[early, self.time], np.r_[0.0, self.left], np.r_[0.0, self.right]
 
 
-@cache
+@per_catalogue
 def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return places and null values of all parameters that switch an effect on, and whose each is, (s, effects)."""
     table = parameter_table()
@@ -86,14 +85,10 @@ def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
     return np.array(places), np.array(nulls), whose
 
 
-@cache
+@per_catalogue
 def _needs_place() -> NDArray[np.bool_]:
     """Return one flag an effect: whether its step hook reads place, heading or roll."""
-    needs = [
-        bool(set(e.regimes) & {"place", "heading", "wheel_phase"}) and "step" in e.hooks
-        for e in registry().values()
-    ]
-    return np.array(needs)
+    return np.array([bool(e.reads) and "step" in e.hooks for e in registry().values()])
 
 
 def active_flags(parameters: FloatArray) -> NDArray[np.bool_]:

@@ -31,15 +31,23 @@ LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """One form of one effect: the parameters it frees; `run` for an event of one recording, else -1.
+    """One closure of one effect: the parameters it frees; `run` for an event of one recording, else -1.
 
-    elsewhere : log-likelihood that the best other moment promises; an event has to stand out from it.
+    elsewhere : log-likelihood that the best other moment promises; an event has to stand out from it. closure : its
+    name among the effect's; empty where only the parameters are known, and nothing else is held.
     """
 
     effect: str
     names: tuple[str, ...]
     run: int = ALL_RUNS
     elsewhere: float = 0.0
+    closure: str = ""
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Values at which the closure holds choices, by full name."""
+        fixes = registry()[self.effect].closure(self.closure).fixes if self.closure else {}
+        return {f"{self.effect}.{name}": value for name, value in fixes.items()}
 
     @property
     def full_names(self) -> tuple[str, ...]:
@@ -80,21 +88,16 @@ def _by_twists(simulator: Simulator) -> bool:
     return recording.twist is not None and recording.command is None
 
 
-def variants(effect: Effect) -> tuple[tuple[str, ...], ...]:
-    """Return the sets of parameters worth fitting."""
-    return effect.variants or (tuple(p.name for p in effect.parameters if p.fitted),)
-
-
 def is_event(effect: Effect) -> bool:
     """Return whether the effect happens once, in one recording."""
     return effect.scan == "time"
 
 
 def hypotheses_of(effect: Effect, runs: int) -> Iterator[Hypothesis]:
-    """Yield every form of an effect; an event once for each recording."""
-    for names in variants(effect):
+    """Yield every closure of an effect; an event once for each recording."""
+    for closure in effect.closures:
         for run in range(runs) if is_event(effect) else (ALL_RUNS,):
-            yield Hypothesis(effect.name, names, run)
+            yield Hypothesis(effect.name, closure.frees, run, closure=closure.name)
 
 
 def slots_of(hypothesis: Hypothesis, runs: int) -> tuple[Slot, ...]:
@@ -116,10 +119,13 @@ def declared_starts(
 ) -> list[dict[str, float]]:
     """Return combinations of the declared start values of a hypothesis' parameters, at most `MOST_STARTS`.
 
-    `given` : values that are known already. Choices (not fitted, but with starts) are part of the combinations.
+    `given` : values that are known already. Choices (not fitted, but with starts) are part of the combinations, those
+    that the closure holds at their value.
     """
-    effect, given = registry()[hypothesis.effect], given or {}
-    choices = [p.name for p in effect.choices]
+    effect = registry()[hypothesis.effect]
+    given = {**(given or {}), **hypothesis.held}
+    held = [full.split(".")[1] for full in hypothesis.held]
+    choices = list(dict.fromkeys([*(p.name for p in effect.choices), *held]))
     lists = []
     for name in (*hypothesis.names, *choices):
         p = effect.parameter(name)

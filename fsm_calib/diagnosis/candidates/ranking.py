@@ -132,7 +132,7 @@ class Bank:
         plans = []
         for hypothesis in hypotheses_of(effect, runs):
             starts = self.prober.best_starts(hypothesis, declared_starts(hypothesis), 1)
-            if not any(effect.parameter(n).starts for n in hypothesis.names):
+            if not hypothesis.held and not any(effect.parameter(n).starts for n in hypothesis.names):
                 starts = [Start(self.parent.values, 0.0)]  # linear at its null value
             plans.append((hypothesis, starts))
         return plans
@@ -147,16 +147,17 @@ class Bank:
         for candidate in candidates:
             if candidate.promise < wanted or self.scanner.hopeless(candidate.promise):
                 continue
-            for names in effect.variants or (tuple(p.name for p in effect.parameters if p.fitted),):
+            for closure in effect.closures:
+                names = closure.frees
                 given = {n.split(".")[1] for n in candidate.changes}
                 strengths = {p.name for p in effect.parameters if p.strength}
                 if (given & strengths) - set(names):
                     continue
                 if given & strengths and len(set(names) & strengths) > len(given & strengths):
                     continue  # the larger form is tried only where the scan asked for it
-                hypothesis = Hypothesis(effect.name, names, candidate.run, candidate.elsewhere)
+                hypothesis = Hypothesis(effect.name, names, candidate.run, candidate.elsewhere, closure.name)
                 choices = declared_starts(hypothesis, candidate.changes)
-                choices = [{**choice, **candidate.changes} for choice in choices]
+                choices = [{**choice, **candidate.changes, **hypothesis.held} for choice in choices]
                 plans.append((hypothesis, self.prober.best_starts(hypothesis, choices, 1)))
         return plans
 

@@ -12,7 +12,7 @@ from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.replay.simulator import Simulator, nominal_values
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects import Parameter, registry
 from fsm_calib.world2d.parameters import NUISANCE, parameter_table
 
 SLIP_SPREAD = (
@@ -69,7 +69,12 @@ def slot_of(name: str, run: int = -1) -> Slot:
     table = parameter_table()
     place = table.place(name)
     entry = table.entries[place]
-    return Slot(place, entry.low, entry.high, entry.difference_step, run)
+    return Slot(place, entry.low, entry.high, entry.difference_step, run, *_prior_of(entry))
+
+
+def _prior_of(entry: Parameter) -> tuple[float, float]:
+    """Return centre and spread of a parameter's declared prior; a spread of 0 is none."""
+    return (entry.null, entry.prior) if entry.prior > 0.0 else (0.0, 0.0)
 
 
 def noise_names(simulators: Sequence[Simulator]) -> tuple[int, ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 
 import numpy as np
 from numba import njit
@@ -14,7 +13,7 @@ from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE, NOMINAL_RADIUS, Pr
 from fsm_calib.errors import DataError
 from fsm_calib.recording.recording import Recording
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.observation import observe, robot_time
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive, active_flags, simulate_many
@@ -75,7 +74,7 @@ def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray) -
         mount_and_compose(reference, observe(vector, reference, reference[:, :2]), out)
 
 
-@cache
+@per_catalogue
 def _with_hook(hook: str) -> NDArray[np.bool_]:
     """Return one flag an effect: whether it has a hook."""
     return np.array([hook in effect.hooks for effect in registry().values()])

@@ -10,23 +10,24 @@ from __future__ import annotations
 
 import math
 
+from fsm_calib.world2d import units
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.effect import FORCE_DOUBT
 
 EQUATION_DOUBT = 0.03  # of any other strength
 PLACE_DOUBT = 0.015  # m, centres and sizes of areas: half a tyre's width
 MOMENT_DOUBT = 0.05  # s, begin and length of events: a frame of a camera
-FORCE_UNITS = frozenset({"N", "N m", "N s", "N m s"})
 
 
 def model_spread(effect: Effect, name: str, value: float) -> float:
     """Return the standard deviation [the parameter's unit] that the model's own assumptions add to `value`."""
     parameter = effect.parameter(name)
     if not parameter.strength:
-        if effect.scan == "place" and parameter.unit == "m":
+        if effect.scan == "place" and units.is_length(parameter.unit):
             return parameter.doubt or PLACE_DOUBT
-        return MOMENT_DOUBT if effect.scan == "time" and parameter.unit == "s" else 0.0
-    share = parameter.doubt or (FORCE_DOUBT if parameter.unit in FORCE_UNITS else EQUATION_DOUBT)
+        return MOMENT_DOUBT if effect.scan == "time" and units.is_time(parameter.unit) else 0.0
+    by_unit = FORCE_DOUBT if units.holds_mass(parameter.unit) else EQUATION_DOUBT
+    share = parameter.doubt or effect.inexact or by_unit
     return share * abs(value - parameter.null)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import COMMAND, STEP, TARGET
 
 
@@ -53,7 +53,10 @@ EFFECT = Effect(
     sentence="The supply loses {per_charge} of its strength for each second of one motor's full command.",
     input="command",
     source="Plett, Battery Management Systems I, 2015, section 2.2",
-    variants=(("per_charge",), ("per_charge", "per_load")),
+    closures=(
+        Closure("charge alone", ("per_charge",), "the voltage falls with the charge drawn"),
+        Closure("charge and load", ("per_charge", "per_load"), "and dips while both motors draw"),
+    ),
     memory=1,
     order=50,
 )

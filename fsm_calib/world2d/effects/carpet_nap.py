@@ -51,6 +51,7 @@ EFFECT = Effect(
         ),
     ),
     hooks={"step": resist},
+    reads=("heading",),
     channels=("forward",),
     regimes=("heading",),
     separates="depends on the heading like a tilt, but never moves a resting robot",

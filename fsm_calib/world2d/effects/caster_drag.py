@@ -19,7 +19,7 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.forces import STEPS_TO_STOP, add_damper, add_force, add_oblique_damper
 from fsm_calib.world2d.slots import CREEP_SPEED, MASS, OMEGA, STEP, L, V
 
@@ -104,7 +104,11 @@ EFFECT = Effect(
     manoeuvre="forward and reverse, and spins at three rates",
     sentence="The caster drags with {drag} and kicks with up to {kick} when it swivels.",
     source="Springer Handbook of Robotics, 2nd ed. 2016, section 24.1; Duckietown URDF",
-    variants=(("drag",), ("drag", "arm"), ("drag", "kick")),
+    closures=(
+        Closure("drag alone", ("drag",), "rolling drag, the arm as built"),
+        Closure("drag and arm", ("drag", "arm"), "with an arm of its own"),
+        Closure("drag and kick", ("drag", "kick"), "with a kick when it swivels"),
+    ),
     memory=1,
     order=75,
     dissipative=True,

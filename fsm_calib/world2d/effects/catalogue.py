@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 
 
 def parameter_row(parameter: Parameter) -> dict[str, Any]:
@@ -24,6 +24,18 @@ def parameter_row(parameter: Parameter) -> dict[str, Any]:
     }
 
 
+def closure_row(effect: Effect, closure: Closure) -> dict[str, Any]:
+    """Return one closure as plain JSON values; what it does not say itself is the effect's."""
+    return {
+        "name": closure.name,
+        "summary": closure.summary,
+        "parameters": list(closure.frees),
+        "fixes": dict(closure.fixes),
+        "sentence": closure.sentence or effect.sentence,
+        "source": closure.source or effect.source,
+    }
+
+
 def effect_row(effect: Effect) -> dict[str, Any]:
     """Return one effect as plain JSON values."""
     return {
@@ -39,6 +51,10 @@ def effect_row(effect: Effect) -> dict[str, Any]:
         "manoeuvre": effect.manoeuvre,
         "sentence": effect.sentence,
         "source": effect.source,
+        "phenomenon": effect.phenomenon,
+        "where": effect.where,
+        "when": effect.when,
+        "closures": [closure_row(effect, closure) for closure in effect.closures],
     }
 
 

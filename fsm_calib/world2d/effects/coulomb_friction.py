@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import DRY, RADIUS
 
 
@@ -54,7 +54,10 @@ EFFECT = Effect(
     sentence="Dry friction takes {friction} from each motor and holds it at rest.",
     input="command",
     source="Armstrong-Helouvry et al. 1994; Park, Lee & Kuipers 2017",
-    variants=(("friction",), ("friction", "difference")),
+    closures=(
+        Closure("both alike", ("friction",), "the same in both drive trains"),
+        Closure("each its own", ("friction", "difference"), "more in one drive train than in the other"),
+    ),
     order=70,
     dissipative=True,
 )

@@ -1,7 +1,8 @@
 """What an effect declares: its equation, parameters, hooks, where it shows and what it can be taken for.
 
-An effect is one module of this package with a constant `EFFECT`. Its hooks are small compiled functions;
-`kernel` weaves those of all effects into one program, so that any combination runs without compiling again:
+An effect is one module with a constant `EFFECT` (or a tuple `EFFECTS`): of this package, or from outside
+(`outside`; docs/own-effect.md shows one whole). Its hooks are small compiled functions; `kernel` weaves those of all
+effects into one program, so that any combination runs without compiling again:
 
     begin(P, o, W)             once per roll-out: masses, geometry, loads
     shape(P, o, u, side) -> u  static map of a held command [1] of one wheel (side 0 left, 1 right)
@@ -12,9 +13,37 @@ P is the parameter vector and o the place of the effect's first parameter; S, W 
 hooks work on whole recordings, with NumPy:
 
     clock(p, t) -> t           time stamps of the pose sensor [s] to the robot's time [s]
-    observe(p, poses, places)  the sensor's poses, shape (n, 3), from the robot's; `places`, shape (n, 2), is
-    where the
+    observe(p, poses, places)  the sensor's poses, shape (n, 3), from the robot's; `places`, shape (n, 2), is where the
                                robot is known to be, for effects of places
+
+One phenomenon, several closures
+--------------------------------
+What happens (`phenomenon`: a wheel off its centre) and by which equation (`closures`: the left wheel, the right one,
+both) are declared apart. A `Closure` names the parameters that it frees, one line that says what it is, its own
+sentence and source where they differ from the effect's, and the values at which it holds choices (`fixes`):
+
+    closures=(
+        Closure("left wheel", ("left", "phase_left"), "the left wheel alone"),
+        Closure("both wheels", ("left", "right", "phase_left", "phase_right"), "each by its own amount",
+                sentence="Both wheels sit off their centres, by {left} and {right}."),
+        Closure("by the clock", ("change_left",), "electronics heat it", fixes={"idle": 1.0}, source="..."),
+    )
+
+An effect that declares none has one that frees every fitted parameter. Each closure is one hypothesis of the
+diagnosis. `variants` are the closures' parameter names alone.
+
+What it is, in words that steer the diagnosis
+---------------------------------------------
+where     ``anywhere``, a ``disc`` (parameters x, y, radius [m]) or an ``area`` (x, y, half_x, half_y [m])
+when      ``always``, a ``moment`` or a ``span`` (both: start, duration [s]; a moment's duration is not fitted)
+acts_on   what a faster scan than trying out looks for: ``drag``, ``grip``, ``pose``, ``motor``, ``push`` or nothing
+reads     what a step takes of the whereabouts: ``place``, ``heading``, ``wheel_angle``
+inexact   how far the equation itself may be off, as a share of a strength; 0 means by its unit: 20 % of what holds
+          mass (a force told by speeds), 3 % of anything else. `Parameter.doubt` overrules it for one number
+prior     of a parameter: standard deviation about its null value that is expected before any data
+
+A place or a time is searched by the scan for what it `acts_on`, or by simulation where none is declared. All words
+(`vocabulary`) are checked, and an unknown one is refused with the nearest.
 """
 
 from __future__ import annotations
@@ -24,76 +53,14 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Literal
 
-Channel = Literal["forward", "lateral", "turn", "sensor"]
-FORCE_DOUBT = 0.2  # of a force told by speeds: mass to 10 %, rotating inertia to a factor of two
+from fsm_calib.world2d.effects.closure import Closure
+from fsm_calib.world2d.effects.declaration import check_declaration
+from fsm_calib.world2d.effects.parameter import FORCE_DOUBT, Parameter
+from fsm_calib.world2d.effects.vocabulary import HOOKS, Acts, Channel, Input, Reads, When, Where
+
+__all__ = ["FORCE_DOUBT", "HOOKS", "LEAST_DELAY", "Channel", "Closure", "Effect", "Parameter"]
+
 LEAST_DELAY = 0.004  # s: the base's tyres lag by 2 to 3 ms (assumed), its motors are of first order
-HOOKS = ("begin", "shape", "delay", "step", "clock", "observe")
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """One number of an effect or of the base robot.
-
-    Parameters
-    ----------
-    name, symbol, unit : str
-        Name in files and reports; symbol in the equation; unit (``"1"`` for none).
-    null : float
-        The value that changes nothing.
-    low, high : float
-        Physical bounds, in `unit`.
-    typical : float
-        A size worth finding, for examples and tests.
-    source : str
-        Where bounds and typical size come from.
-    strength : bool
-        Whether the effect is off while this has its null value (and all other strengths too). The others say
-        where, when or how and mean nothing while the strengths are null.
-    per_recording : bool
-        Whether the value belongs to one recording (a phase, the time of an event) and not to the robot.
-    fitted : bool
-        Whether a fit moves it. The others serve the world only, or, with `starts`, are choices that a diagnosis
-        tries.
-    mirror : str
-        What becomes of the value when left and right change places: ``same``, ``negate``, ``complement`` (of
-        a full difference) or ``swap:NAME`` with the value of another parameter.
-    starts : tuple of float
-        Values from which a fit should be started when the null value does not lead to the truth.
-    step : float
-        A sensible finite-difference step, in `unit`; 0 means a thousandth of the typical size.
-    natural_end : bool
-        Whether nature ends at the high bound (a dead motor has lost all), so that a fit may rest there. At another
-        bound the fit asks for more of the effect than there can be.
-    doubt : float
-        By how much the equation itself may be off, where it is not what the unit lets expect: a share of a strength,
-        in `unit` of a place.
-    least : float
-        A smaller distance from the null value, in `unit`, is within what the base robot's own equations leave open,
-        and no size to be named.
-    """
-
-    name: str
-    symbol: str
-    unit: str
-    null: float
-    low: float
-    high: float
-    typical: float
-    source: str
-    strength: bool = True
-    per_recording: bool = False
-    fitted: bool = True
-    mirror: str = "same"
-    starts: tuple[float, ...] = ()
-    step: float = 0.0
-    natural_end: bool = False
-    doubt: float = 0.0
-    least: float = 0.0
-
-    @property
-    def difference_step(self) -> float:
-        """The finite-difference step [unit]."""
-        return self.step or 1e-3 * max(abs(self.typical - self.null), 1e-6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,12 +70,17 @@ class Effect:
     `equation` is one line of text (the module's docstring explains it); `channels` and `regimes` say where it
     shows; `family` groups effects that a report may name together when it cannot decide; `rivals` are the
     names it is easily taken for, `separates` says what tells them apart and `manoeuvre` which drive shows it;
-    `sentence` is the report's line, with ``{parameter}`` for fitted values; `variants` are the sets of
-    parameters worth fitting (empty: all); `scan` tells the diagnosis to look for a ``place`` or a ``time``;
-    `memory` counts the state slots that the step hook keeps; `order` sorts hooks within a stage (small
-    first); `input` says which drives can show it: any, commands (measured wheel speeds have their motors
-    behind them), commanded twists, or drives whose wheels were measured by us or
-    by the robot's own controller; `jumps` says that the pose itself jumps at the edge of a place.
+    `sentence` is the report's line, with ``{parameter}`` for fitted values; `where`, `when`, `acts_on`, `reads`,
+    `inexact`, `phenomenon` and `closures`: see the module's text; `memory` counts the state slots that the step hook
+    keeps; `order` sorts hooks within a stage (small first); `input` says which drives can show it: any, commands
+    (measured wheel speeds have their motors behind them), commanded twists, or drives whose wheels were measured by us
+    or by the robot's own controller; `jumps` says that the pose itself jumps at the edge of a place; `phenomenon`
+    defaults to the name in words.
+
+    Raises
+    ------
+    InputError, UnknownNameError
+        For a declaration that contradicts itself, or a word that is not in the vocabulary.
     """
 
     name: str
@@ -123,23 +95,29 @@ class Effect:
     manoeuvre: str
     sentence: str
     source: str
-    scan: Literal["", "place", "time"] = ""
-    variants: tuple[tuple[str, ...], ...] = ()
+    where: Where = "anywhere"
+    when: When = "always"
+    acts_on: Acts = ""
+    reads: tuple[Reads, ...] = ()
+    inexact: float = 0.0
+    phenomenon: str = ""
+    closures: tuple[Closure, ...] = ()
     memory: int = 0
     order: int = 50
     dissipative: bool = False
     jumps: bool = False
-    input: Literal["any", "command", "twist", "wheels"] = "any"
+    input: Input = "any"
     summary: str = field(default="")
 
     def __post_init__(self) -> None:
-        """Freeze the hooks and refuse unknown stages."""
-        unknown = set(self.hooks) - set(HOOKS)
-        if unknown:
-            raise ValueError(
-                f"effect {self.name}: unknown hooks {sorted(unknown)}; known: {', '.join(HOOKS)}"
-            )
+        """Freeze the hooks, complete the closures, and check the declaration."""
         object.__setattr__(self, "hooks", MappingProxyType(dict(self.hooks)))
+        if not self.phenomenon:
+            object.__setattr__(self, "phenomenon", self.name.replace("_", " "))
+        if not self.closures:
+            fitted = tuple(p.name for p in self.parameters if p.fitted)
+            object.__setattr__(self, "closures", (Closure("full", fitted, self.summary),))
+        check_declaration(self)
 
     @property
     def strengths(self) -> tuple[str, ...]:
@@ -150,6 +128,25 @@ class Effect:
     def choices(self) -> tuple[Parameter, ...]:
         """Parameters that are tried at their start values instead of fitted."""
         return tuple(p for p in self.parameters if not p.fitted and p.starts)
+
+    @property
+    def variants(self) -> tuple[tuple[str, ...], ...]:
+        """The sets of parameters that the closures free."""
+        return tuple(closure.frees for closure in self.closures)
+
+    @property
+    def scan(self) -> Literal["", "place", "time"]:
+        """What the diagnosis has to look for: a ``place``, a ``time``, or neither."""
+        if self.where != "anywhere":
+            return "place"
+        return "time" if self.when != "always" else ""
+
+    def closure(self, name: str) -> Closure:
+        """Return the closure of that name; KeyError when there is none."""
+        for closure in self.closures:
+            if closure.name == name:
+                return closure
+        raise KeyError(name)
 
     def parameter(self, name: str) -> Parameter:
         """Return the parameter of that name; KeyError when there is none."""

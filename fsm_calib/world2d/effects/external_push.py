@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.places import overlap
 from fsm_calib.world2d.forces import add_force
 from fsm_calib.world2d.slots import COS, SIN, STEP, TIME
@@ -66,6 +66,7 @@ EFFECT = Effect(
         ),
     ),
     hooks={"step": push},
+    reads=("heading",),
     channels=("forward", "lateral", "turn"),
     regimes=("once", "heading"),
     separates="once, within a fraction of a second, whatever the command",
@@ -73,7 +74,10 @@ EFFECT = Effect(
     manoeuvre="repeat the drive: a push does not come back",
     sentence="At {start} something pushed the robot by ({impulse_x}, {impulse_y}).",
     source="momentum balance",
-    scan="time",
-    variants=(("impulse_x", "impulse_y", "impulse_turn", "start"),),
+    closures=(
+        Closure("push", ("impulse_x", "impulse_y", "impulse_turn", "start"), "impulse and moment at once"),
+    ),
+    when="moment",
+    acts_on="push",
     order=86,
 )

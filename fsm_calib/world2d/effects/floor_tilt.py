@@ -44,6 +44,7 @@ EFFECT = Effect(
         ),
     ),
     hooks={"step": pull},
+    reads=("heading",),
     channels=("forward", "turn"),
     regimes=("heading", "standstill"),
     separates="changes sign with the heading and creeps at standstill; a carpet's nap does not creep",

@@ -71,6 +71,7 @@ EFFECT = Effect(
         spread_parameter("w_s"),
     ),
     hooks={"step": slip},
+    reads=("place", "heading"),
     channels=("forward", "turn", "lateral"),
     regimes=("place",),
     separates="shows when accelerating or curving there, wheels spin; a rough spot slows at any time",
@@ -78,7 +79,8 @@ EFFECT = Effect(
     manoeuvre="start, stop and turn on the spot, on two headings",
     sentence="Within {radius} of ({x}, {y}) the floor has lost {loss} of its grip.",
     source="Pacejka 2012, section 3.2",
-    scan="place",
+    where="disc",
+    acts_on="grip",
     order=84,
     dissipative=True,
 )

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.places import centre_parameters
 from fsm_calib.world2d.slots import EDGE
 
@@ -65,8 +65,16 @@ EFFECT = Effect(
     manoeuvre="cross the place on two headings and at two speeds",
     sentence="The marker at ({x}, {y}) is turned by {turn}, shifted by ({shift_x}, {shift_y}), on the map.",
     source="Olson, ICRA 2011, section V",
-    scan="place",
     jumps=True,
-    variants=(("turn", "x", "y", "radius"), ("turn", "shift_x", "shift_y", "x", "y", "radius")),
+    closures=(
+        Closure("turned", ("turn", "x", "y", "radius"), "turned about its own place"),
+        Closure(
+            "turned and shifted",
+            ("turn", "shift_x", "shift_y", "x", "y", "radius"),
+            "turned and shifted",
+        ),
+    ),
+    where="disc",
+    acts_on="pose",
     order=30,
 )

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.places import overlap
 from fsm_calib.world2d.slots import STEP, TARGET, TIME
 
@@ -72,11 +72,12 @@ EFFECT = Effect(
     sentence="From {start} for {duration} the motors lose {loss_left} (left), {loss_right} (right).",
     input="command",
     source="Roumeliotis, Sukhatme & Bekey, ICRA 1998",
-    scan="time",
-    variants=(
-        ("loss_left", "start", "duration"),
-        ("loss_right", "start", "duration"),
-        ("loss_left", "loss_right", "start", "duration"),
+    closures=(
+        Closure("left motor", ("loss_left", "start", "duration"), "the left motor alone"),
+        Closure("right motor", ("loss_right", "start", "duration"), "the right motor alone"),
+        Closure("both motors", ("loss_left", "loss_right", "start", "duration"), "each by its own share"),
     ),
+    when="span",
+    acts_on="motor",
     order=54,
 )

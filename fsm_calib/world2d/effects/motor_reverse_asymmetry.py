@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 
 
 @njit(error_model="numpy")
@@ -51,7 +51,10 @@ EFFECT = Effect(
     manoeuvre="the same straight forwards and backwards, and spins both ways",
     sentence="Backwards the motors give {loss} less speed than forwards.",
     source="Hughes & Drury, Electric Motors and Drives, 5th ed., section 3.2",
-    variants=(("loss",), ("loss", "difference")),
+    closures=(
+        Closure("both alike", ("loss",), "the same loss on both sides"),
+        Closure("each its own", ("loss", "difference"), "more on one side than on the other"),
+    ),
     input="command",
     order=45,
 )

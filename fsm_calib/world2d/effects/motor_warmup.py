@@ -15,7 +15,7 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import COMMAND, STEP, TARGET
 
 
@@ -73,12 +73,12 @@ EFFECT = Effect(
     sentence="Warming up changes the left motor by {change_left} and the right one by {change_right}.",
     input="command",
     source="Hughes & Drury, Electric Motors and Drives, 5th ed., section 11.3",
-    variants=(
-        ("change_left",),
-        ("change_right",),
-        ("change_left", "effort"),
-        ("change_right", "effort"),
-        ("change_left", "change_right", "effort"),
+    closures=(
+        Closure("left motor", ("change_left",), "the left motor alone, effort as is usual"),
+        Closure("right motor", ("change_right",), "the right motor alone, effort as is usual"),
+        Closure("left motor, own effort", ("change_left", "effort"), "the left motor alone"),
+        Closure("right motor, own effort", ("change_right", "effort"), "the right motor alone"),
+        Closure("both motors", ("change_left", "change_right", "effort"), "each by its own share"),
     ),
     memory=2,
     order=52,

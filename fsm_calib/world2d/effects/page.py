@@ -30,6 +30,14 @@ def parameter_lines(effect: Effect) -> list[str]:
     return rows
 
 
+def closure_lines(effect: Effect) -> list[str]:
+    """Return one line with the effect's closures; none where it has but one."""
+    if len(effect.closures) < 2:
+        return []
+    said = [f"*{c.name}* ({', '.join(f'`{n}`' for n in c.frees)}): {c.summary}" for c in effect.closures]
+    return [f"- **Closures**: {'; '.join(said)}."]
+
+
 def section(effect: Effect) -> str:
     """Return one effect's part of the page."""
     lines = [
@@ -45,6 +53,7 @@ def section(effect: Effect) -> str:
         "",
         f"- **Shows** in {', '.join(effect.channels)}; regime: {', '.join(effect.regimes).replace('_', ' ')}.",
         f"- **Taken for** {', '.join(f'`{r}`' for r in effect.rivals)}.",
+        *closure_lines(effect),
         f"- **Told apart**: {effect.separates}.",
         f"- **Manoeuvre that shows it**: {effect.manoeuvre}.",
         f"- **Source**: {effect.source}.",

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import COM_X, COM_Y, MASS
 
 
@@ -54,6 +54,6 @@ EFFECT = Effect(
     manoeuvre="starts and stops at full command, arcs both ways at three speeds",
     sentence="The centre of mass lies {x} ahead and {y} left of the axle's centre.",
     source="Dhaouadi & Abu Hatab 2013",
-    variants=(("x", "y"),),
+    closures=(Closure("offset", ("x", "y"), "the place of the mass, its size as declared"),),
     order=20,
 )

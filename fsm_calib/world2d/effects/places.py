@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Parameter
+from fsm_calib.world2d.effects.parameter import Parameter
 from fsm_calib.world2d.slots import COS, EDGE, HALF_AXLE, PLACE_X, PLACE_Y, SIN
 
 

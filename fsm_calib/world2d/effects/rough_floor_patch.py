@@ -87,6 +87,7 @@ EFFECT = Effect(
         ),
     ),
     hooks={"step": resist},
+    reads=("place", "heading"),
     channels=("forward", "turn"),
     regimes=("place",),
     separates="only there, always against the motion; a misplaced marker moves the pose, not the robot",
@@ -94,7 +95,8 @@ EFFECT = Effect(
     manoeuvre="cross the place on two headings and at two speeds",
     sentence="Around ({x}, {y}) the floor resists each wheel with {drag}.",
     source="Wong, Theory of Ground Vehicles, 4th ed., section 1.2",
-    scan="place",
+    where="area",
+    acts_on="drag",
     order=85,
     dissipative=True,
 )

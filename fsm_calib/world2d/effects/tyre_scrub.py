@@ -14,7 +14,7 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.forces import STEPS_TO_STOP, add_force
 from fsm_calib.world2d.slots import CREEP_RATE, DAMP, INERTIA, OMEGA, STEP
 
@@ -68,7 +68,10 @@ EFFECT = Effect(
     manoeuvre="spins at three rates and wide arcs",
     sentence="The tyres resist turning with {moment}.",
     source="Pacejka 2012, section 9.2",
-    variants=(("moment",), ("moment", "rate")),
+    closures=(
+        Closure("usual tread", ("moment",), "slides as a whole from 0.01 rad/s on"),
+        Closure("own tread", ("moment", "rate"), "a tread that bends and rolls off first"),
+    ),
     order=76,
     dissipative=True,
 )

@@ -15,7 +15,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.dynamics import WHEEL_RADIUS
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import DRIVE, RADIUS, ROLL, TARGET
 
 
@@ -73,6 +73,7 @@ EFFECT = Effect(
         ),
     ),
     hooks={"step": wobble},
+    reads=("wheel_angle",),
     channels=("forward", "turn"),
     regimes=("wheel_phase", "one_wheel"),
     separates="repeats every turn of the wheel (0.2 m), whatever the place",
@@ -80,10 +81,10 @@ EFFECT = Effect(
     manoeuvre="a long straight at steady speed",
     sentence="A wheel sits off its centre by {left} (left) and {right} (right) of its radius.",
     source="Borenstein & Feng 1996",
-    variants=(
-        ("left", "phase_left"),
-        ("right", "phase_right"),
-        ("left", "right", "phase_left", "phase_right"),
+    closures=(
+        Closure("left wheel", ("left", "phase_left"), "the left wheel alone"),
+        Closure("right wheel", ("right", "phase_right"), "the right wheel alone"),
+        Closure("both wheels", ("left", "right", "phase_left", "phase_right"), "each by its own share"),
     ),
     order=58,
 )

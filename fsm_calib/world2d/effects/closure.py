@@ -1,0 +1,44 @@
+"""A closure: one way in which a phenomenon may act, with the numbers that it frees.
+
+A phenomenon (a warming motor) says what happens; a closure (the left motor alone, both with one time constant, a
+change that follows the clock) says by which equation. The closures of an effect share its hooks and parameters; each
+frees some of them, and may hold choices at values of its own. A verdict names the effect and tells the closure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+
+@dataclass(frozen=True, eq=False)
+class Closure:
+    """One of an effect's alternative equations.
+
+    Parameters
+    ----------
+    name : str
+        A word or two, unique among the effect's closures: ``left wheel``, ``both wheels``, ``by the clock``.
+    frees : tuple of str
+        Names of the parameters that a fit moves; all others stay at their null value.
+    summary : str
+        One line: what it says beyond the effect's own summary.
+    sentence : str
+        The report's line, with ``{parameter}`` for fitted values; empty: the effect's.
+    source : str
+        Where its equation comes from; empty: the effect's.
+    fixes : mapping of str to float
+        Values at which it holds choices (`Parameter.fitted` false); choices that it does not hold are tried.
+    """
+
+    name: str
+    frees: tuple[str, ...]
+    summary: str
+    sentence: str = ""
+    source: str = ""
+    fixes: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Freeze what it fixes."""
+        object.__setattr__(self, "fixes", MappingProxyType(dict(self.fixes)))

@@ -1,0 +1,76 @@
+"""One number of an effect or of the base robot: its unit, its bounds, what it means and how a fit treats it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+FORCE_DOUBT = 0.2  # of a force told by speeds: mass to 10 %, rotating inertia to a factor of two
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One number of an effect or of the base robot.
+
+    Parameters
+    ----------
+    name, symbol, unit : str
+        Name in files and reports; symbol in the equation; unit (``"1"`` for none).
+    null : float
+        The value that changes nothing.
+    low, high : float
+        Physical bounds, in `unit`.
+    typical : float
+        A size worth finding, for examples and tests.
+    source : str
+        Where bounds and typical size come from.
+    strength : bool
+        Whether the effect is off while this has its null value (and all other strengths too). The others say
+        where, when or how and mean nothing while the strengths are null.
+    per_recording : bool
+        Whether the value belongs to one recording (a phase, the time of an event) and not to the robot.
+    fitted : bool
+        Whether a fit moves it. The others serve the world only, or, with `starts`, are choices that a diagnosis
+        tries.
+    mirror : str
+        What becomes of the value when left and right change places: ``same``, ``negate``, ``complement`` (of
+        a full difference) or ``swap:NAME`` with the value of another parameter.
+    starts : tuple of float
+        Values from which a fit should be started when the null value does not lead to the truth.
+    step : float
+        A sensible finite-difference step, in `unit`; 0 means a thousandth of the typical size.
+    natural_end : bool
+        Whether nature ends at the high bound (a dead motor has lost all), so that a fit may rest there. At another
+        bound the fit asks for more of the effect than there can be.
+    doubt : float
+        By how much the equation itself may be off, where it is not what the unit lets expect: a share of a strength,
+        in `unit` of a place.
+    prior : float
+        Standard deviation of a normal prior about the null value, in `unit`; 0 for none: the bounds alone.
+    least : float
+        A smaller distance from the null value, in `unit`, is within what the base robot's own equations leave open,
+        and no size to be named.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    null: float
+    low: float
+    high: float
+    typical: float
+    source: str
+    strength: bool = True
+    per_recording: bool = False
+    fitted: bool = True
+    mirror: str = "same"
+    starts: tuple[float, ...] = ()
+    step: float = 0.0
+    natural_end: bool = False
+    doubt: float = 0.0
+    least: float = 0.0
+    prior: float = 0.0
+
+    @property
+    def difference_step(self) -> float:
+        """The finite-difference step [unit]."""
+        return self.step or 1e-3 * max(abs(self.typical - self.null), 1e-6)
