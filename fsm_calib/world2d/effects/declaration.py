@@ -100,8 +100,9 @@ def _check_kind(effect: Effect) -> None:
             raise _wrong(
                 effect, f"{kind} needs parameters {', '.join(wanted)}; missing: {', '.join(missing)}"
             )
-        for name in wanted if measures else ():
-            if not measures(effect.parameter(name).unit) or effect.parameter(name).strength:
+        for name in wanted:
+            p = effect.parameter(name)
+            if measures is not None and (p.strength or not measures(p.unit)):
                 raise _wrong(
                     effect,
                     f"{kind}: {name} says where or when",
