@@ -1,0 +1,339 @@
+"""One sealed robot: draw it, size its effects, drive it three times, write recordings and the key apart."""
+
+from __future__ import annotations
+
+import dataclasses
+import gzip
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from foreign.catalogue import LAWS, Law
+from foreign.drive import Drive, piloted, replay
+from foreign.pilot import Pilot
+from foreign.robots import Robot, build, draw_robot
+from foreign.setup import Array, Place, Setup
+from foreign.sizing import ratio
+from foreign.tracker import clean_poses, noisy, ticks
+
+RUNS = ("run-a", "run-b", "run-h")
+BOUNDS = {
+    "plain": (2.0, 8.0),
+    "faint": (1.15, 2.0),
+    "masked": (1.3, 2.0),
+    "outside": (2.0, 8.0),
+    "pair": (2.0, 8.0),
+    "triple": (2.0, 8.0),
+}
+
+
+@dataclass(frozen=True)
+class Order:
+    """What a robot shall be: name, family, labels and engine."""
+
+    name: str
+    family: str
+    labels: tuple[str, ...]
+    engine: str
+    seed: int
+    law: str = ""  # a law by name, for tests; empty = drawn
+
+
+@dataclass
+class Effect:
+    """A law with its size and its own dice."""
+
+    law: Law
+    size: float
+    seed: int
+    sizes: dict[str, Any] | None = None
+
+    def on(self, setup: Setup) -> None:
+        """Put the effect into a setup."""
+        self.sizes = self.law.apply(setup, self.size, np.random.default_rng(self.seed))
+
+
+@dataclass
+class Bench:
+    """A robot with everything that its three drives share."""
+
+    order: Order
+    robot: Robot
+    effects: list[Effect]
+    place: Place | None
+    windows: dict[str, tuple[float, float] | None]
+    seconds: dict[str, float]
+    starts: dict[str, Array]
+    small: float = 1.0
+
+    def setup(self, run: str, effects: list[Effect], small: float | None = None) -> Setup:
+        """Return a fresh setup for a run with some effects."""
+        salt = RUNS.index(run) + 1
+        setup = build(self.robot, self.place, self.windows[run], salt, self.small if small is None else small)
+        for effect in effects:
+            effect.on(setup)
+        return setup
+
+    def seed(self, run: str) -> int:
+        """Return the seed of a run's dice."""
+        return self.robot.seed + 1000 * RUNS.index(run)
+
+    def pilot(self, run: str) -> Pilot:
+        """Return the run's operator."""
+        rng = np.random.default_rng(self.seed(run) + 1)
+        sheet = self.robot.sheet
+        levels = np.sort(rng.uniform(0.2, 0.95, int(rng.integers(4, 7))))
+        return Pilot(
+            rng,
+            sheet["wheel_radius"] * sheet["max_wheel_rate"],
+            sheet["axle_length"],
+            self.robot.parts["reach"],
+            self.place,
+            levels,
+        )
+
+    def drive(self, run: str, effects: list[Effect]) -> tuple[Setup, Drive]:
+        """Let the operator drive."""
+        setup = self.setup(run, effects)
+        return setup, piloted(
+            setup, self.starts[run], self.pilot(run), self.seconds[run], self.seed(run), self.rounding
+        )
+
+    def again(
+        self, run: str, effects: list[Effect], like: Drive, small: float | None = None
+    ) -> tuple[Setup, Drive]:
+        """Drive by the commands of another drive."""
+        setup = self.setup(run, effects, small)
+        return setup, replay(
+            setup, self.starts[run], like.times, like.duties, self.seconds[run], self.seed(run)
+        )
+
+    def rounding(self, duty: Array) -> Array:
+        """Return what the log keeps of a command, as duties."""
+        if self.robot.command != "twist":
+            return np.round(duty, 5)
+        return self.from_twist(np.round(self.to_twist(duty), 5))
+
+    def to_twist(self, duty: Array) -> Array:
+        """Duties (..., 2) -> v [m/s], omega [rad/s] by the data sheet."""
+        sheet = self.robot.sheet
+        speed = duty * sheet["wheel_radius"] * sheet["max_wheel_rate"]
+        return np.stack(
+            [speed.sum(axis=-1) / 2, (speed[..., 1] - speed[..., 0]) / sheet["axle_length"]], axis=-1
+        )
+
+    def from_twist(self, twist: Array) -> Array:
+        """The other way round."""
+        sheet = self.robot.sheet
+        half = twist[..., 1] * sheet["axle_length"] / 2
+        return np.stack([twist[..., 0] - half, twist[..., 0] + half], axis=-1) / (
+            sheet["wheel_radius"] * sheet["max_wheel_rate"]
+        )
+
+
+def draw_bench(order: Order, attempt: int) -> Bench:
+    """Draw everything about a robot but the sizes of its effects."""
+    rng = np.random.default_rng([order.seed, attempt])
+    robot = draw_robot(rng, order.name, order.engine, order.labels)
+    effects = []
+    for label in order.labels:
+        choice = [
+            item for item in LAWS[label] if order.engine in item.engines and order.law in ("", item.name)
+        ]
+        effects.append(Effect(choice[int(rng.integers(len(choice)))], 1.0, int(rng.integers(2**31))))
+    if order.family == "masked":
+        sensing = {
+            **robot.sensing,
+            "noise": 0.003,
+            "turn_noise": float(np.deg2rad(1.0)),
+            "tails": 4.0,
+            "rate": 10.0,
+        }
+        robot = dataclasses.replace(robot, sensing=sensing)
+    place = draw_place(rng, robot, effects) if any(e.law.placed for e in effects) else None
+    seconds = {run: float(rng.uniform(50, 75)) for run in RUNS}
+    faulty = any(e.law.label == "motor_fault" for e in effects)
+    windows: dict[str, tuple[float, float] | None] = {}
+    for run in RUNS:
+        start = float(rng.uniform(0.25, 0.6)) * seconds[run]
+        windows[run] = (start, start + float(rng.uniform(8, 20) if faulty else 4.0))
+        if run == "run-h" and rng.random() < 0.5:
+            windows[run] = None
+    reach = robot.parts["reach"]
+    starts = {run: np.array([*rng.normal(0, 0.2 * reach, 2), rng.uniform(-np.pi, np.pi)]) for run in RUNS}
+    return Bench(order, robot, effects, place, windows, seconds, starts)
+
+
+def draw_place(rng: np.random.Generator, robot: Robot, effects: list[Effect]) -> Place:
+    """Draw a part of the floor near the middle of the arena."""
+    axle, reach = robot.parts["size"], robot.parts["reach"]
+    marker = any(e.law.label == "misplaced_marker" for e in effects)
+    big = float(rng.uniform(2.0, 3.2) if marker else rng.uniform(1.0, 2.2)) * axle
+    outline = str(rng.choice(["ellipse", "ellipse", "rectangle", "strip"]))
+    x, y = rng.normal(0, 0.2 * reach, 2)
+    soft = float(rng.choice([0.0, 0.15, 0.5]))
+    wide = big * float(rng.uniform(0.6, 1.0)) if outline != "strip" else 0.6 * big
+    return Place(float(x), float(y), outline, big, wide, float(rng.uniform(-np.pi, np.pi)), soft)
+
+
+def size_effect(
+    bench: Bench,
+    effect: Effect,
+    base: dict[str, tuple[Setup, Drive]],
+    target: float,
+    bounds: tuple[float, float],
+) -> float:
+    """Find the size at which an effect shows as much as `target`; return the ratio that was reached."""
+    local = effect.law.placed or effect.law.timed
+    wanted, best = np.sqrt(target**2 - 1), (1e9, 1.0, 1.0)
+    low = 0.02
+    for _ in range(6):
+        drives = [(*bench.again(run, [effect], drive), setup, drive) for run, (setup, drive) in base.items()]
+        value = ratio(bench.robot, drives, local)
+        shown = np.sqrt(max(value**2 - 1, 1e-6))
+        off = abs(np.log(shown / wanted))
+        if off < best[0]:
+            best = (off, effect.size, value)
+        if off < 0.12:
+            break
+        effect.size = float(
+            np.clip(effect.size * np.clip((wanted / shown) ** 0.8, 0.2, 4.0), low, effect.law.most)
+        )
+    effect.size = best[1]
+    return best[2]
+
+
+def calm_departures(bench: Bench, target: float) -> float:
+    """Shrink the small departures until they show at most 0.45 as much as the effect; return their ratio."""
+    allowed = np.sqrt(1 + (0.45 * np.sqrt(target**2 - 1)) ** 2) if bench.effects else 1.2
+    _setup, drive = bench.drive("run-a", [])
+    value = 1.0
+    for _ in range(6):
+        value = ratio(
+            bench.robot, [(*bench.again("run-a", [], drive), *bench.again("run-a", [], drive, 0.0))], False
+        )
+        if value <= allowed:
+            break
+        bench.small *= max(0.4, 0.9 * np.sqrt((allowed**2 - 1) / (value**2 - 1)))
+    return value
+
+
+def make(order: Order, folder: Path) -> dict[str, Any]:
+    """Make one robot: write its recordings below `folder`, return its key."""
+    for attempt in range(8):
+        bench = draw_bench(order, attempt)
+        rng = np.random.default_rng([order.seed, 77, attempt])
+        low, high = BOUNDS.get(order.family, (2.0, 8.0))
+        targets = [float(np.exp(rng.uniform(np.log(1.08 * low), np.log(0.85 * high)))) for _ in bench.effects]
+        departures = calm_departures(bench, min(targets, default=1.2))
+        base = {"run-a": bench.drive("run-a", [])}
+        reached = [size_effect(bench, e, base, t, (low, high)) for e, t in zip(bench.effects, targets)]
+        if any(not low * 0.95 <= value <= high * 1.1 for value in reached):
+            continue
+        drives = {run: bench.drive(run, bench.effects) for run in RUNS}
+        shown = [final_ratio(bench, e, drives) for e in bench.effects]
+        if all(low <= value <= high * 1.15 for value in shown) and visits(bench, drives):
+            for run in RUNS:
+                write(bench, *drives[run], run, folder / order.name / run)
+            return key(bench, shown, departures)
+    raise RuntimeError(
+        f"{order.name}: no size of {order.labels} ({order.law or 'any law'}) shows as {order.family}"
+    )
+
+
+def final_ratio(bench: Bench, effect: Effect, drives: dict[str, tuple[Setup, Drive]]) -> float:
+    """How much one effect shows on the commands of the final drives."""
+    local, pairs = effect.law.placed or effect.law.timed, []
+    for run in RUNS[:2]:
+        _, drive = drives[run]
+        alone = bench.again(run, [effect], drive) if len(bench.effects) > 1 else drives[run]
+        pairs.append((*alone, *bench.again(run, [], drive)))
+    return ratio(bench.robot, pairs, local)
+
+
+def visits(bench: Bench, drives: dict[str, tuple[Setup, Drive]]) -> bool:
+    """Return whether each run is in the place for a second at least."""
+    if bench.place is None:
+        return True
+    for _, drive in drives.values():
+        inside = sum(bench.place.inside(x, y) > 0.5 for x, y in drive.rows[::50, :2])
+        if inside * 0.1 < 1.0:
+            return False
+    return True
+
+
+def write(bench: Bench, setup: Setup, drive: Drive, run: str, folder: Path) -> None:
+    """Write one recording `fsm-calib/recording@1`."""
+    robot, sheet = bench.robot, bench.robot.sheet
+    folder.mkdir(parents=True, exist_ok=True)
+    rng = np.random.default_rng(bench.seed(run) + 2)
+    times, poses = clean_poses(setup, drive, robot.sensing["rate"], float(rng.uniform()))
+    times, poses = noisy(robot, times, poses, rng)
+    twist = robot.command == "twist"
+    command = bench.to_twist(drive.duties) if twist else drive.duties
+    names = ("v", "omega") if twist else ("left", "right")
+    table(folder / "command.csv.gz", ("t", *names), np.column_stack([drive.times, command]), 5)
+    table(folder / "pose.csv.gz", ("t", "x", "y", "theta"), np.column_stack([times, poses]), 5)
+    known = ", ".join(f"{k}: {v}" for k, v in sheet.items())
+    lines = [
+        "format: fsm-calib/recording@1",
+        f"robot: {{name: {robot.name}, {known}}}",
+        "channels:",
+        f"  command: {{file: command.csv.gz, time: t, {names[0]}: {names[0]}, {names[1]}: {names[1]}, unit: {robot.command}}}",
+        "  pose: {file: pose.csv.gz, time: t, x: x, y: y, theta: theta}",
+    ]
+    counts = ticks(robot, drive, rng)
+    if counts is not None:
+        table(folder / "ticks.csv.gz", ("t", "left", "right"), counts, 5)
+        per_turn = int(robot.sensing["ticks"])
+        lines.append(
+            f"  wheel_angle: {{file: ticks.csv.gz, time: t, left: left, right: right, unit: tick, ticks_per_turn: {per_turn}}}"
+        )
+    (folder / "recording.yaml").write_text("\n".join(lines) + "\n")
+
+
+def table(path: Path, names: tuple[str, ...], values: Array, digits: int) -> None:
+    """Write a CSV file, gzipped without a date so that a seed gives the same bytes."""
+    text = (
+        ",".join(names) + "\n" + "\n".join(",".join(f"{v:.{digits}f}" for v in row) for row in values) + "\n"
+    )
+    path.write_bytes(gzip.compress(text.encode(), mtime=0))
+
+
+def key(bench: Bench, shown: list[float], departures: float) -> dict[str, Any]:
+    """Return what is true of a robot; numbers in SI units."""
+    robot, order = bench.robot, bench.order
+    body = robot.parts["body"]
+    effects = [
+        {
+            "label": e.law.label,
+            "law": e.law.name,
+            "severity": e.size,
+            "ratio": value,
+            "sizes": plain_numbers(e.sizes or {}),
+        }
+        for e, value in zip(bench.effects, shown)
+    ]
+    effects.sort(key=lambda item: -item["ratio"])
+    names = sorted(e["label"] for e in effects if e["label"] != "outside")
+    place = None if bench.place is None else dataclasses.asdict(bench.place)
+    return plain_numbers({
+        "name": order.name, "family": order.family, "labels": names, "strongest": effects[0]["label"] if effects else None,
+        "effects": effects, "engine": order.engine, "place": place, "windows": bench.windows,
+        "departures": {"small": bench.small, "ratio": departures, **dict(robot.departures)},
+        "robot": {k: body[k] for k in ("mass", "inertia", "axle", "com_x", "friction", "tyre", "radius_left")},
+        "sheet": robot.sheet, "sensing": robot.sensing, "command": robot.command, "seconds": bench.seconds,
+    })  # fmt: skip
+
+
+def plain_numbers(value: Any) -> Any:
+    """Turn numpy's numbers into JSON's."""
+    if isinstance(value, dict):
+        return {str(k): plain_numbers(v) for k, v in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain_numbers(v) for v in value]
+    if isinstance(value, np.integer | np.floating | np.bool_):
+        return value.item()
+    return value
