@@ -3,9 +3,12 @@
 A run is a chain of events: an activity ran, its outcome fired a transition. Each event is one line of
 ``journal.jsonl`` (JSON Lines, https://jsonlines.org), keys sorted, so that two runs of one seed are equal
 byte for byte; nothing in it depends on wall time. After each event ``checkpoint.json`` is replaced whole, so
-that it is either the old or the new one, never half of one; it holds the length of the journal that it
-belongs to. On `--resume` the journal is cut to that length: a torn last line, or a line whose checkpoint was
-never written, goes, and its activity runs again.
+that it is either the old or the new one, never half of one; it holds the length and the chain of the journal that it
+belongs to, and the one before it stays as ``checkpoint.previous.json``. On `--resume` the journal is cut to that
+length: a torn last line, or a line whose checkpoint was never written, goes, and its activity runs again.
+
+Journal and checkpoint are sealed (`fsm_calib.sealed`): a run whose files had any byte changed or lost is not gone on
+with, since what follows from a wrong number looks like a result.
 """
 
 from __future__ import annotations
@@ -13,15 +16,19 @@ from __future__ import annotations
 import json
 import math
 import os
+import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from fsm_calib.errors import DataError, InputError
+from fsm_calib.sealed import START, sealed, unsealed
 
 JOURNAL_NAME = "journal.jsonl"
 CHECKPOINT_NAME = "checkpoint.json"
-SCHEMA = "fsm-calib/journal@1"
+PREVIOUS_NAME = "checkpoint.previous.json"
+SCHEMA = "fsm-calib/journal@2"
+START_AGAIN = "Start again: the same command without --resume."
 
 
 def plain(value: Any) -> Any:
@@ -67,10 +74,12 @@ class Journal:
         Where the files are; must exist.
     length : int
         Bytes of an existing journal that are kept; the rest is cut off. Zero starts a new one.
+    chain : str
+        The journal's chain at that length (`read_checkpoint` gives both).
     """
 
-    def __init__(self, directory: Path, length: int = 0) -> None:
-        self.directory = directory
+    def __init__(self, directory: Path, length: int = 0, chain: str = START) -> None:
+        self.directory, self._chain = directory, chain
         path = directory / JOURNAL_NAME
         path.touch()
         self._file: BinaryIO = path.open("r+b")
@@ -84,15 +93,25 @@ class Journal:
 
     def append(self, record: Mapping[str, Any]) -> None:
         """Add one event and hand it to the operating system, so that a killed process loses nothing."""
-        self._file.write(encode(record))
+        line, self._chain = sealed(encode(record), self._chain)
+        self._file.write(line)
         self._file.flush()
 
     def checkpoint(self, state: Mapping[str, Any], *, durable: bool = False) -> None:
         """Replace the checkpoint by `state`; `durable` also survives a power cut (10 ms of disk)."""
         if durable:
             os.fsync(self._file.fileno())
-        content = {"schema": SCHEMA, "journal_length": self.length, **state}
-        write_atomically(self.directory / CHECKPOINT_NAME, encode(content), durable=durable)
+        content = {"schema": SCHEMA, "journal_length": self.length, "journal_chain": self._chain, **state}
+        path = self.directory / CHECKPOINT_NAME
+        if path.exists():
+            kept = self.directory / f".{PREVIOUS_NAME}.tmp"
+            kept.unlink(missing_ok=True)
+            try:
+                os.link(path, kept)
+            except OSError:  # a file system without links
+                shutil.copyfile(path, kept)
+            os.replace(kept, self.directory / PREVIOUS_NAME)
+        write_atomically(path, sealed(encode(content))[0], durable=durable)
 
     def close(self) -> None:
         """Close the file."""
@@ -118,21 +137,55 @@ def read_checkpoint(directory: Path) -> dict[str, Any] | None:
     InputError
         The directory holds no run.
     DataError
-        The checkpoint is damaged or of another version.
+        The checkpoint or the journal up to it is damaged, cut, or of another version.
     """
     if not directory.is_dir():
         raise InputError("no such directory", where=str(directory), cure="Give the --out directory of a run.")
     path = directory / CHECKPOINT_NAME
     if not path.exists():
         return None
-    try:
-        state = json.loads(path.read_bytes())
-    except ValueError as error:
-        cure = "Remove it and run again without --resume."
-        raise DataError(f"{path} is damaged: {error}", cure=cure) from error
-    if not isinstance(state, dict) or state.get("schema") != SCHEMA:
-        raise DataError(f"{path} is not of the form {SCHEMA}", cure="Run again without --resume.")
+    state = _sealed_state(path)
+    if state is None:
+        raise DataError(f"{path} is damaged, cut short, or of another version", cure=_cure(directory))
+    problem = _journal_problem(directory, state)
+    if problem:
+        raise DataError(problem, cure=_cure(directory))
     return state
+
+
+def _sealed_state(path: Path) -> dict[str, Any] | None:
+    """Return a checkpoint's content; None where it is not there or not as it was written."""
+    try:
+        found = unsealed(path.read_bytes())
+    except (OSError, ValueError):
+        return None
+    return found[0] if found and found[0].get("schema") == SCHEMA else None
+
+
+def _journal_problem(directory: Path, state: Mapping[str, Any]) -> str:
+    """Return what is wrong with the journal up to the checkpoint `state`; empty where nothing is."""
+    path, length, chain, end = directory / JOURNAL_NAME, state["journal_length"], START, 0
+    try:
+        events = _chained(path)
+        while end < length:
+            _, chain, end = next(events, (None, chain, length + 1))
+    except OSError as error:
+        return f"{path} cannot be read: {error.strerror}"
+    except DataError as error:
+        return error.problem
+    if (end, chain) != (length, state["journal_chain"]):
+        return f"{path} does not hold the {length} bytes of whole events that its checkpoint belongs to"
+    return ""
+
+
+def _cure(directory: Path) -> str:
+    """Return what can be done about damage: go back one event where the files before it are whole, or start again."""
+    previous = directory / PREVIOUS_NAME
+    state = _sealed_state(previous)
+    if state is None or _journal_problem(directory, state):
+        return START_AGAIN
+    back = f"mv {previous} {directory / CHECKPOINT_NAME}"
+    return f"Go back to the last whole event: {back}, then --resume. Or start again."
 
 
 def read_journal(path: Path) -> Iterator[dict[str, Any]]:
@@ -141,14 +194,22 @@ def read_journal(path: Path) -> Iterator[dict[str, Any]]:
     Raises
     ------
     DataError
-        A line other than the last is damaged.
+        A line other than a torn last one is not as it was written.
     """
+    for event, _, _ in _chained(path):
+        yield event
+
+
+def _chained(path: Path) -> Iterator[tuple[dict[str, Any], str, int]]:
+    """Yield each event with the chain and the number of bytes up to its end."""
+    chain, end = START, 0
     with path.open("rb") as file:
         for number, line in enumerate(file, start=1):
             if not line.endswith(b"\n"):
                 return
-            try:
-                yield json.loads(line)
-            except ValueError as error:
-                problem = f"{path}:{number}: not a line of JSON"
-                raise DataError(problem, cure="Run again without --resume.") from error
+            found = unsealed(line, chain)
+            if found is None:
+                raise DataError(f"{path}:{number}: the line is not as it was written", cure=START_AGAIN)
+            event, chain = found
+            end += len(line)
+            yield event, chain, end

@@ -3,12 +3,45 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fsm_calib.errors import DataError, InputError
-from fsm_calib.journal import Journal, encode, plain, read_checkpoint, read_journal, write_atomically
+from fsm_calib.journal import (
+    CHECKPOINT_NAME,
+    JOURNAL_NAME,
+    PREVIOUS_NAME,
+    Journal,
+    encode,
+    plain,
+    read_checkpoint,
+    read_journal,
+    write_atomically,
+)
+from fsm_calib.sealed import sealed
+
+
+def small_run(directory: Path) -> bytes:
+    """Leave a journal of four events with its checkpoints in a directory; return the journal."""
+    journal = Journal(directory)
+    for n in range(4):
+        journal.append({"seq": n, "commands": [[0.1 * n, 0.3, -0.25]], "sentence": "ä board is in sight"})
+        journal.checkpoint({"sequence": n + 1, "bench": {"quiet": 0.125, "side": "left"}})
+    journal.close()
+    return (directory / JOURNAL_NAME).read_bytes()
+
+
+def refused(directory: Path) -> bool:
+    """Tell whether a run is not gone on with, for a reason that names file and cure."""
+    try:
+        read_checkpoint(directory)
+    except DataError as error:
+        return directory.name in str(error) and (
+            "Start again" in str(error) or "Or start again" in str(error)
+        )
+    return False
 
 
 def test_lines_have_sorted_keys_and_keep_every_digit_of_a_number() -> None:
@@ -34,8 +67,8 @@ def test_events_are_read_back_as_they_were_written(tmp_path) -> None:
 
 def test_a_torn_last_line_is_left_out_at_every_byte(tmp_path) -> None:
     path = tmp_path / "journal.jsonl"
-    whole = encode({"seq": 0}) + encode({"seq": 1, "x": 0.5})
-    first = len(encode({"seq": 0}))
+    one, chain = sealed(encode({"seq": 0}))
+    whole, first = one + sealed(encode({"seq": 1, "x": 0.5}), chain)[0], len(one)
     for length in range(first, len(whole)):
         path.write_bytes(whole[:length])
         assert [event["seq"] for event in read_journal(path)] == [0]
@@ -43,7 +76,8 @@ def test_a_torn_last_line_is_left_out_at_every_byte(tmp_path) -> None:
 
 def test_a_damaged_line_in_the_middle_names_its_number(tmp_path) -> None:
     path = tmp_path / "journal.jsonl"
-    path.write_bytes(b'{"seq":0}\n{"se\n{"seq":2}\n')
+    lines = small_run(tmp_path).splitlines(keepends=True)
+    path.write_bytes(lines[0] + b'{"se\n' + lines[2])
     with pytest.raises(DataError, match=r"journal\.jsonl:2"):
         list(read_journal(path))
 
@@ -56,7 +90,7 @@ def test_resuming_cuts_what_came_after_the_checkpoint(tmp_path) -> None:
     journal.close()
     state = read_checkpoint(tmp_path)
     assert state is not None
-    resumed = Journal(tmp_path, state["journal_length"])
+    resumed = Journal(tmp_path, state["journal_length"], state["journal_chain"])
     resumed.append({"seq": "again"})
     resumed.close()
     assert [event["seq"] for event in read_journal(tmp_path / "journal.jsonl")] == [0, "again"]
@@ -82,3 +116,95 @@ def test_a_damaged_or_foreign_checkpoint_is_refused(tmp_path, content: str) -> N
     (tmp_path / "checkpoint.json").write_text(content)
     with pytest.raises(DataError, match=r"checkpoint\.json"):
         read_checkpoint(tmp_path)
+
+
+@pytest.mark.parametrize("name", [JOURNAL_NAME, CHECKPOINT_NAME])
+def test_a_run_whose_file_was_cut_at_any_byte_is_not_gone_on_with(tmp_path, name: str) -> None:
+    small_run(tmp_path)
+    whole = (tmp_path / name).read_bytes()
+    for length in range(len(whole)):
+        (tmp_path / name).write_bytes(whole[:length])
+        assert refused(tmp_path), length
+    (tmp_path / name).write_bytes(whole)
+    assert read_checkpoint(tmp_path)
+
+
+@pytest.mark.parametrize("name", [JOURNAL_NAME, CHECKPOINT_NAME])
+def test_a_run_in_which_any_bit_was_flipped_is_not_gone_on_with(tmp_path, name: str) -> None:
+    small_run(tmp_path)
+    whole = (tmp_path / name).read_bytes()
+    for bit in range(0, 8 * len(whole), 5):  # every byte, and more often than every 97th bit
+        changed = bytearray(whole)
+        changed[bit // 8] ^= 1 << bit % 8
+        (tmp_path / name).write_bytes(changed)
+        assert refused(tmp_path), bit
+
+
+def test_a_value_replaced_in_the_checkpoint_is_refused_though_it_is_sound_json(tmp_path) -> None:
+    small_run(tmp_path)
+    path = tmp_path / CHECKPOINT_NAME
+    path.write_text(path.read_text().replace('"side":"left"', '"side":"right"'))
+    assert json.loads(path.read_bytes())["bench"]["side"] == "right"
+    assert refused(tmp_path)
+
+
+def test_events_that_were_exchanged_or_left_out_are_refused(tmp_path) -> None:
+    lines = small_run(tmp_path).splitlines(keepends=True)
+    for changed in (
+        lines[:1] + lines[2:],
+        [lines[1], lines[0], *lines[2:]],
+        lines[1:],
+        [*lines[:2], *lines[1:]],
+    ):
+        (tmp_path / JOURNAL_NAME).write_bytes(b"".join(changed))
+        assert refused(tmp_path)
+
+
+def test_a_missing_journal_is_refused(tmp_path) -> None:
+    small_run(tmp_path)
+    (tmp_path / JOURNAL_NAME).unlink()
+    assert refused(tmp_path)
+
+
+def test_a_damaged_checkpoint_leads_back_to_the_event_before(tmp_path) -> None:
+    small_run(tmp_path)
+    (tmp_path / CHECKPOINT_NAME).write_bytes(b"{")
+    with pytest.raises(DataError, match=f"mv .*{PREVIOUS_NAME} .*{CHECKPOINT_NAME}"):
+        read_checkpoint(tmp_path)
+    (tmp_path / PREVIOUS_NAME).replace(tmp_path / CHECKPOINT_NAME)
+    state = read_checkpoint(tmp_path)
+    assert state is not None
+    assert state["sequence"] == 3
+
+
+def test_damage_before_both_checkpoints_leads_to_the_beginning(tmp_path) -> None:
+    content = small_run(tmp_path)
+    (tmp_path / JOURNAL_NAME).write_bytes(content.replace(b"0.1", b"0.2", 1))
+    with pytest.raises(DataError, match=r"journal\.jsonl:2: .* Start again"):
+        read_checkpoint(tmp_path)
+
+
+def test_a_refused_run_is_left_as_it_is(tmp_path) -> None:
+    content = small_run(tmp_path)[:-10]
+    (tmp_path / JOURNAL_NAME).write_bytes(content)
+    assert refused(tmp_path)
+    assert (tmp_path / JOURNAL_NAME).read_bytes() == content
+
+
+def test_an_event_is_with_the_operating_system_before_the_next_begins(tmp_path) -> None:
+    journal = Journal(tmp_path)
+    journal.append({"seq": 0})
+    assert [event["seq"] for event in read_journal(tmp_path / JOURNAL_NAME)] == [0]
+    journal.close()
+
+
+def test_a_durable_checkpoint_follows_a_durable_journal(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
+    synced: list[int] = []
+    monkeypatch.setattr("fsm_calib.journal.os.fsync", synced.append)
+    journal = Journal(tmp_path)
+    journal.append({"seq": 0})
+    journal.checkpoint({"sequence": 1})
+    assert synced == []
+    journal.checkpoint({"sequence": 1}, durable=True)
+    assert len(synced) == 2
+    journal.close()

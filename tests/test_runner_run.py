@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from fsm_calib.errors import DataError
-from fsm_calib.journal import read_journal
+from fsm_calib.journal import Journal, read_checkpoint, read_journal
 from fsm_calib.outcome import Outcome
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Silent
@@ -137,21 +137,36 @@ def test_a_run_of_another_scenario_is_not_resumed(short_run, changes: dict) -> N
 def test_a_changed_journal_is_noticed_when_the_robot_is_driven_again(short_run, tmp_path: Path) -> None:
     directory = tmp_path / "run"
     shutil.copytree(sorted(short_run[1].iterdir())[-2], directory)
-    path = directory / "journal.jsonl"
-    events = list(read_journal(path))
+    events = list(read_journal(directory / "journal.jsonl"))
     moved = next(event for event in events if any(left or right for _, left, right in event["commands"]))
-    line = json.dumps(moved, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    pushed = [[time, -left, -right] for time, left, right in moved["commands"]]
-    turned = json.dumps(
-        moved | {"commands": pushed}, sort_keys=True, separators=(",", ":"), ensure_ascii=False
-    )
-    content = path.read_text().replace(line, turned)
-    path.write_text(content)
-    state = json.loads((directory / "checkpoint.json").read_text())
-    state["journal_length"] = len(content.encode())
-    (directory / "checkpoint.json").write_text(json.dumps(state))
+    moved["commands"] = [[time, -left, -right] for time, left, right in moved["commands"]]
+    state = read_checkpoint(directory)
+    assert state is not None
+    forged = Journal(directory)
+    for event in events[: state["sequence"]]:
+        forged.append(event)
+    own = ("schema", "journal_length", "journal_chain")
+    forged.checkpoint({name: value for name, value in state.items() if name not in own})
+    forged.close()
     with pytest.raises(DataError, match="away from where the journal says"):
         run_scenario(scenario(), directory, resume=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [("checkpoint.json", b'"time":', b'"time":1'), ("journal.jsonl", b'"frames":', b'"frames":1')],
+)
+def test_a_run_with_a_changed_number_is_refused_and_keeps_its_files(
+    short_run, tmp_path: Path, name: str, old: bytes, new: bytes
+) -> None:
+    directory = tmp_path / "run"
+    shutil.copytree(sorted(short_run[1].iterdir())[-2], directory)
+    path = directory / name
+    path.write_bytes(path.read_bytes().replace(old, new, 1))
+    before = {file.name: file.read_bytes() for file in directory.iterdir() if file.is_file()}
+    with pytest.raises(DataError, match=name.replace(".", "[.]")):
+        run_scenario(scenario(), directory, resume=True)
+    assert {file.name: file.read_bytes() for file in directory.iterdir() if file.is_file()} == before
 
 
 def last_command(session) -> WheelCommand:

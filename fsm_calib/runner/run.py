@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME
+from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME, PREVIOUS_NAME
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.opencv_time import watched
 from fsm_calib.runner import files
@@ -25,7 +25,7 @@ from fsm_calib.scenario.models import Scenario
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Signals by which an operator or the system stops a run."""
-RUN_FILES = (JOURNAL_NAME, CHECKPOINT_NAME, files.RESULT_NAME, files.REPORT_NAME)
+RUN_FILES = (JOURNAL_NAME, CHECKPOINT_NAME, PREVIOUS_NAME, files.RESULT_NAME, files.REPORT_NAME)
 RUN_FOLDERS = ("frames", "calibrations", "recording")
 
 

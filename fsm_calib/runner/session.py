@@ -116,7 +116,9 @@ def _session(
         machine=_machine(scenario, limits, state),
         bench=Bench(robot, settings),
         robot=robot,
-        journal=Journal(directory, state["journal_length"] if state else 0),
+        journal=Journal(directory, state["journal_length"], state["journal_chain"])
+        if state
+        else Journal(directory),
         activities=ACTIVITIES,
         pose=connection.pose,
         parts=parts,
