@@ -12,6 +12,7 @@ import typer
 
 from fsm_calib.commands.files import check_places, tell_result, write_file
 from fsm_calib.commands.given import TagMapFile, recordings_given
+from fsm_calib.commands.next_drive import area_of, write_plan
 from fsm_calib.commands.options import EffectsOption
 
 if TYPE_CHECKING:
@@ -50,6 +51,16 @@ def diagnose_command(
     report: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Write report.html and world.yaml to this folder.")
     ] = None,
+    plan: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Design the next drive, and write it to this folder to be played."),
+    ] = None,
+    area: Annotated[
+        str, typer.Option(metavar="WxD", help="Free floor for the next drive [m], the start in its middle.")
+    ] = "2x2",
+    longest: Annotated[
+        float, typer.Option(metavar="SECONDS", help="Longest next drive.", min=2.0, max=300.0)
+    ] = 40.0,
     seed: Annotated[int, typer.Option(help="Seed of the significance test.")] = 0,
     tag_map: TagMapFile = None,
     effects: EffectsOption = None,
@@ -61,6 +72,7 @@ def diagnose_command(
     from fsm_calib.world2d.effects import registry
 
     _refuse_wrong_use(without or (), (json_file, world), report)
+    floor = area_of(area)
     given = world if world is not None and world.exists() else None
     physics = physics_of(given) if given is not None else None
     train, new = recordings_given(recordings, holdout or (), tag_map=tag_map)
@@ -73,6 +85,8 @@ def diagnose_command(
     plain = result.verdict.as_json()
     tell_result(plain, "\n".join(summary_lines(plain)), json_file)
     _write_world(result, None if given is not None else world, report)
+    if plan is not None:
+        write_plan(result, floor, longest, plan, seed)
 
 
 def _refuse_wrong_use(without: Iterable[str], files: Iterable[Path | None], report: Path | None) -> None:
