@@ -8,7 +8,7 @@ from diagnosis_robots import recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts
 from fsm_calib.diagnosis.candidates.ranking import Bank
-from fsm_calib.diagnosis.candidates.scan import SCANS
+from fsm_calib.diagnosis.candidates.scan import DEFAULTS, SCANS, scan_of
 from fsm_calib.diagnosis.candidates.scan_markers import jump_evidence, jumps_of, likely_discs
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
@@ -44,7 +44,17 @@ def discs_of(bank, shifted=False):
 
 
 def test_every_effect_of_a_place_or_a_moment_has_a_scan():
-    assert set(SCANS) == {effect.name for effect in registry().values() if effect.scan}
+    scanned = [effect for effect in registry().values() if effect.scan]
+    assert {scan_of(effect) for effect in scanned} == set(SCANS.values())
+    assert all(scan_of(effect) is None for effect in registry().values() if effect not in scanned)
+
+
+@pytest.mark.parametrize(
+    ("where", "when"), [("disc", "always"), ("anywhere", "span"), ("anywhere", "moment")]
+)
+def test_a_place_or_a_time_that_declares_nothing_to_act_on_is_tried_out(where, when):
+    declared = registry()["low_friction_patch" if when == "always" else "motor_fault"]
+    assert scan_of(replace(declared, where=where, when=when, acts_on="")) in DEFAULTS.values()
 
 
 def test_the_chosen_start_wins_no_less_than_any_declared_one():
@@ -116,7 +126,7 @@ def test_the_jumps_of_a_plain_robot_are_noise():
 def test_a_push_is_found_and_stands_out_from_other_moments():
     push = {"external_push__impulse_turn": 0.06, "external_push__start": 15.2}
     bank = bank_of(recording(0, **push), recording(1))
-    best = bank.scanner.pushes()[0]
+    best = bank.scanner.pushes(registry()["external_push"])[0]
     assert best.run == 0
     assert best.changes["external_push.start"] == pytest.approx(
         15.2, abs=0.4
@@ -125,7 +135,7 @@ def test_a_push_is_found_and_stands_out_from_other_moments():
 
 
 def test_without_a_push_no_moment_stands_out():
-    best = bank_of(recording(0), recording(1)).scanner.pushes()[0]
+    best = bank_of(recording(0), recording(1)).scanner.pushes(registry()["external_push"])[0]
     assert best.promise < 2.5 * best.elsewhere
 
 
@@ -139,7 +149,7 @@ def slippery():
 
 
 def test_a_slippery_spot_is_found_from_anywhere_on_the_floor(slippery):
-    best = slippery.scanner.slippery_areas()[0]
+    best = slippery.scanner.slippery_areas(registry()["low_friction_patch"])[0]
     x, y = (best.changes[f"low_friction_patch.{name}"] for name in ("x", "y"))
     assert np.hypot(x - PATCH["x"], y - PATCH["y"]) < 0.15
     assert best.promise > 20.0
@@ -169,7 +179,7 @@ def test_what_a_change_wins_is_the_difference_of_log_likelihoods(slippery):
 def test_a_push_so_strong_that_its_poses_are_outliers_is_found():
     numbers = {"impulse_turn": 0.04, "impulse_y": 0.8, "start": 17.0}
     pushed = recording(0, **{f"external_push__{name}": value for name, value in numbers.items()})
-    best = bank_of(pushed, recording(1)).scanner.pushes()[0]
+    best = bank_of(pushed, recording(1)).scanner.pushes(registry()["external_push"])[0]
     assert best.run == 0
     assert best.changes["external_push.start"] == pytest.approx(17.0, abs=0.3)
     assert best.promise > 10.0 * best.elsewhere

@@ -16,7 +16,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     hypotheses_of,
     slots_of,
 )
-from fsm_calib.diagnosis.candidates.scan import SCANS, Candidate, Scanner
+from fsm_calib.diagnosis.candidates.scan import Candidate, Scanner, scan_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit, jacobian
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
@@ -127,8 +127,9 @@ class Bank:
         if effect.name in parameter_table().active_effects(self.parent.values[0]):
             start = Start(self.parent.values, 0.0)  # the parent has it: would other numbers be better?
             return [(hypothesis, [start]) for hypothesis in hypotheses_of(effect, runs)]
-        if effect.name in SCANS:
-            return self._scanned(effect, SCANS[effect.name](self.scanner))
+        scan = scan_of(effect)
+        if scan is not None:
+            return self._scanned(effect, scan(self.scanner, effect))
         plans = []
         for hypothesis in hypotheses_of(effect, runs):
             starts = self.prober.best_starts(hypothesis, declared_starts(hypothesis), 1)

@@ -3,22 +3,33 @@
 Where the effect on the increments is nearly linear (drag inside an area, a weak motor during a span: `scan_spans.py`)
 it is written down to first order, all candidates pass the whitening filter as columns, and what each could win is one
 small projection. Slides, turned markers and kicks are not: they have scans of their own (`scan_slides.py`,
-`scan_markers.py`, `scan_pushes.py`). The winners, kept apart from each other, become starts of full fits.
+`scan_markers.py`, `scan_pushes.py`). Scans are chosen by what an effect declares (`where`, `when`, `acts_on`), and
+what has none of its own is tried out by simulation (`scan_default.py`). The winners, kept apart from each other, become
+starts of full fits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
 
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.scan_areas import Area, boxes, drag_columns, settled, strips
+from fsm_calib.diagnosis.candidates.scan_default import (
+    MOMENTS_APART,
+    Trial,
+    tried_moments,
+    tried_places,
+    tried_span,
+)
 from fsm_calib.diagnosis.candidates.scan_markers import Jumps, jumps_of, likely_discs
 from fsm_calib.diagnosis.candidates.scan_pushes import APART, STEP, kicks, push_of
 from fsm_calib.diagnosis.candidates.scan_slides import slides
-from fsm_calib.diagnosis.candidates.scan_spans import likely_span
+from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.replay.simulator import Simulator
@@ -26,6 +37,7 @@ from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import place_centres
 from fsm_calib.diagnosis.shapes.score_tests import Residual
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.parameters import parameter_table
 
 PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
@@ -84,7 +96,7 @@ class Scanner:
         """Return candidate centres (m, 2) [m]."""
         return place_centres(self.situations, PITCH)
 
-    def drag_areas(self) -> list[Candidate]:
+    def drag_areas(self, effect: Effect) -> list[Candidate]:
         """Return areas of rough floor, felt under each wheel or under the body's middle, moved and resized uphill."""
         areas = [
             replace(area, spread=spread)
@@ -98,7 +110,7 @@ class Scanner:
             if self.hopeless(float(promise[i])):
                 continue
             best, gain = settled(areas[i], self._drags)
-            found.append(Candidate({f"rough_floor_patch.{k}": v for k, v in best.numbers().items()}, gain))
+            found.append(Candidate(best.numbers(effect), gain))
         return found
 
     def _drags(self, areas: Sequence[Area]) -> FloatArray:
@@ -106,32 +118,32 @@ class Scanner:
         promise, amplitude = self.scores([drag_columns(s, areas) for s in self.situations])
         return np.where(amplitude > 0, promise, 0.0)
 
-    def slippery_areas(self) -> list[Candidate]:
+    def slippery_areas(self, effect: Effect) -> list[Candidate]:
         """Return discs of low friction: there the robot neither starts, stops nor turns as told."""
-        found = slides(self.parent, self.residual, place_centres(self.situations, PITCH, beside=True))
+        found = slides(self.parent, self.residual, place_centres(self.situations, PITCH, beside=True), effect)
         return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
-    def markers(self) -> list[Candidate]:
+    def markers(self, effect: Effect) -> list[Candidate]:
         """Return discs inside which the poses are turned about their centre, or turned and shifted."""
         jumps = [
             jumps_of(simulator.prepared, simulated)
             for simulator, simulated in zip(self.simulators, self.parent.simulated, strict=True)
         ]
-        turned, shifted = (self._markers(jumps, with_shift) for with_shift in (False, True))
+        turned, shifted = (self._markers(effect, jumps, with_shift) for with_shift in (False, True))
         cost = float(np.log(self.residual.engine.count))  # of two numbers more
         best = turned[0].promise if turned else 0.0
         found = turned + [candidate for candidate in shifted if candidate.promise > best + cost]
         return [candidate for candidate in found if not self.hopeless(candidate.promise)]
 
-    def _markers(self, jumps: Sequence[Jumps], shifted: bool) -> list[Candidate]:
+    def _markers(self, effect: Effect, jumps: Sequence[Jumps], shifted: bool) -> list[Candidate]:
         """Return the best discs: jumps alone miss a faint turn that the poses inside show together."""
         discs = likely_discs(jumps, shifted, MARKERS_TRIED)
-        wins = tried_out(self.parent, self.residual, [disc.changes for disc in discs])
+        wins = tried_out(self.parent, self.residual, [disc.changes(effect) for disc in discs])
         promise = [max(disc.promise, float(win)) for disc, win in zip(discs, wins, strict=True)]
         best = np.argsort(-np.array(promise))[:KEEP]
-        return [Candidate(discs[i].changes, promise[i]) for i in best]
+        return [Candidate(discs[i].changes(effect), promise[i]) for i in best]
 
-    def spans(self) -> list[Candidate]:
+    def spans(self, effect: Effect) -> list[Candidate]:
         """Return spans of one recording in which one wheel's motor is weaker."""
         table = parameter_table()
         found: list[Candidate] = []
@@ -140,34 +152,83 @@ class Scanner:
             slot = next(i for i, s in enumerate(self.parent.slots) if s.place == place)
             gain = float(self.parent.values[0, place])
             for run, columns in enumerate(self.parent.columns):
-                span = likely_span(self.residual, run, gain * columns[:, :, slot])
+                cells = partial(gain_cells, self.residual, run, gain * columns[:, :, slot])
+                span = likely_span(self.residual, run, cells)
                 changes = {
-                    f"motor_fault.loss_{side}": float(np.clip(span.loss, -0.4, 0.9)),
-                    "motor_fault.start": span.begin,
-                    "motor_fault.duration": span.end - span.begin,
+                    f"{effect.name}.loss_{side}": float(np.clip(span.loss, -0.4, 0.9)),
+                    f"{effect.name}.start": span.begin,
+                    f"{effect.name}.duration": span.end - span.begin,
                 }
                 found.append(Candidate(changes, span.promise, run))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
-    def pushes(self) -> list[Candidate]:
+    def pushes(self, effect: Effect) -> list[Candidate]:
         """Return kicks of one recording, most promising first, each with what the best kick apart from it promises."""
         tried = [kicks(self.residual, run, s) for run, s in enumerate(self.situations)]
         found = []
         for run, (starts, promise, amplitude) in enumerate(tried):
             others = max((float(p.max()) for i, (_, p, _) in enumerate(tried) if i != run), default=0.0)
             for b in apart(promise, starts[:, None], KEEP, 2 * STEP):
-                far = promise[np.abs(starts - starts[b]) > APART]
-                elsewhere = max(others, float(far.max(initial=0.0)))
-                changes = push_of(self.situations[run], float(starts[b]), amplitude[b])
+                elsewhere = max(others, _best_beyond(promise, starts, b, APART))
+                changes = push_of(self.situations[run], float(starts[b]), amplitude[b], effect.name)
                 found.append(Candidate(changes, float(promise[b]), run, elsewhere))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
+    def tried_places(self, effect: Effect) -> list[Candidate]:
+        """Return places where any effect of a place promises most, tried by simulation."""
+        found = tried_places(Trial(effect, self.parent, self.residual), self.places())
+        return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
-SCANS: dict[str, Callable[[Scanner], list[Candidate]]] = {
-    "rough_floor_patch": Scanner.drag_areas,
-    "low_friction_patch": Scanner.slippery_areas,
-    "misplaced_marker": Scanner.markers,
-    "motor_fault": Scanner.spans,
-    "external_push": Scanner.pushes,
+    def tried_spans(self, effect: Effect) -> list[Candidate]:
+        """Return spans of one recording in which any effect of a span promises most, tried by simulation."""
+        trial, found = Trial(effect, self.parent, self.residual), []
+        for strength, run in product(trial.strengths(), range(len(self.simulators))):
+            span = tried_span(trial, run, strength)
+            changes = {f"{effect.name}.start": span.begin, f"{effect.name}.duration": span.end - span.begin}
+            found.append(Candidate(changes, span.promise, run))
+        return sorted(found, key=lambda c: -c.promise)[:KEEP]
+
+    def tried_moments(self, effect: Effect) -> list[Candidate]:
+        """Return moments at which any effect of a moment promises most, each with the best apart from it."""
+        trial, found = Trial(effect, self.parent, self.residual), []
+        for strength in trial.strengths():
+            tried = [tried_moments(trial, run, strength) for run in range(len(self.simulators))]
+            for run, (starts, promise) in enumerate(tried):
+                others = max((float(p.max()) for i, (_, p) in enumerate(tried) if i != run), default=0.0)
+                for b in apart(promise, starts[:, None], KEEP, 2 * STEP):
+                    elsewhere = max(others, _best_beyond(promise, starts, b, MOMENTS_APART))
+                    changes = {f"{effect.name}.start": float(starts[b])}
+                    found.append(Candidate(changes, float(promise[b]), run, elsewhere))
+        return sorted(found, key=lambda c: -c.promise)[:KEEP]
+
+
+def _best_beyond(promise: FloatArray, starts: FloatArray, chosen: int, distance: float) -> float:
+    """Return the largest promise farther than `distance` [s] from the chosen moment."""
+    return float(promise[np.abs(starts - starts[chosen]) > distance].max(initial=0.0))
+
+
+Scan = Callable[[Scanner, Effect], list[Candidate]]
+
+SCANS: dict[tuple[str, str], Scan] = {
+    ("place", "drag"): Scanner.drag_areas,
+    ("place", "grip"): Scanner.slippery_areas,
+    ("place", "pose"): Scanner.markers,
+    ("span", "motor"): Scanner.spans,
+    ("moment", "push"): Scanner.pushes,
 }
-"""Effects of a place or a moment to the scan that finds it."""
+"""What is looked for, and on what it acts, to the scan that is made for it."""
+
+DEFAULTS: dict[str, Scan] = {
+    "place": Scanner.tried_places,
+    "span": Scanner.tried_spans,
+    "moment": Scanner.tried_moments,
+}
+"""What is looked for to the scan that finds whatever acts there."""
+
+
+def scan_of(effect: Effect) -> Scan | None:
+    """Return the scan that looks for an effect's place or time; None for one that acts anywhere and always."""
+    if not effect.scan:
+        return None
+    kind = effect.when if effect.scan == "time" else "place"
+    return SCANS.get((kind, effect.acts_on), DEFAULTS[kind])

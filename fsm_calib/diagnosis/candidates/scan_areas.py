@@ -10,6 +10,7 @@ import numpy as np
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import body_columns
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect
 
 RADII = (0.15, 0.25)  # m: the span of spots, mats and markers that a small robot crosses
 STRIPS = (0.08, 0.2)  # m, half widths
@@ -31,9 +32,12 @@ class Area:
     spread: float = 0.0
     roundness: float = 1.0
 
-    def numbers(self) -> dict[str, float]:
-        """Return the area in the words of an effect's parameters."""
-        return {"x": self.x, "y": self.y, "half_x": self.half_x, "half_y": self.half_y}
+    def numbers(self, effect: Effect) -> dict[str, float]:
+        """Return the area in the words of an effect's parameters, by full name; of a disc: its mean radius."""
+        sizes = {"half_x": self.half_x, "half_y": self.half_y}
+        if effect.where == "disc":
+            sizes = {"radius": min(0.5 * (self.half_x + self.half_y), effect.parameter("radius").high)}
+        return {f"{effect.name}.{name}": value for name, value in {"x": self.x, "y": self.y, **sizes}.items()}
 
     @property
     def is_strip(self) -> bool:

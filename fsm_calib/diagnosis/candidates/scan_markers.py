@@ -22,8 +22,10 @@ import numpy as np
 from numba import njit
 
 from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.candidates.scan_areas import Area
 from fsm_calib.diagnosis.replay.prepared import Prepared
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect
 
 CENTRE_PITCH = 0.03  # m
 RADII = np.arange(0.09, 0.40, 0.03)  # m: how far off a marker is still the one that is seen
@@ -69,18 +71,13 @@ class Disc:
     shift_y: float
     promise: float
 
-    @property
-    def changes(self) -> dict[str, float]:
-        """The disc in the words of the effect's parameters, by full name; shifts only where it has one."""
-        numbers = {
-            "x": self.x,
-            "y": self.y,
-            "radius": self.radius,
-            "turn": float(np.clip(self.turn, -1.0, 1.0)),
-        }
+    def changes(self, effect: Effect) -> dict[str, float]:
+        """Return the disc in the words of an effect's parameters, by full name; shifts only where it has one."""
+        numbers = {"turn": float(np.clip(self.turn, -1.0, 1.0))}
         if self.shift_x or self.shift_y:
             numbers |= {"shift_x": self.shift_x, "shift_y": self.shift_y}
-        return {f"misplaced_marker.{name}": value for name, value in numbers.items()}
+        acting = {f"{effect.name}.{name}": value for name, value in numbers.items()}
+        return Area(self.x, self.y, self.radius, self.radius).numbers(effect) | acting
 
 
 def jumps_of(prepared: Prepared, simulated: FloatArray, largest: float = LARGEST_JUMP) -> Jumps:

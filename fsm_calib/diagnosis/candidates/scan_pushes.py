@@ -73,14 +73,14 @@ def _trains(s: Situation, starts: FloatArray) -> FloatArray:
     return out
 
 
-def push_of(s: Situation, start: float, amplitude: FloatArray) -> dict[str, float]:
-    """Return the push that brings about speed errors `amplitude` forward, sideways and at the rim [m/s]."""
+def push_of(s: Situation, start: float, amplitude: FloatArray, name: str) -> dict[str, float]:
+    """Return the push, of the effect `name`, that brings about speed errors forward, sideways and at the rim [m/s]."""
     heading = float(np.interp(start, s.time, s.heading))
     ahead, left, turn = amplitude * [MASS, MASS, INERTIA / s.half]
     c, d = np.cos(heading), np.sin(heading)
     return {
-        "external_push.impulse_x": float(np.clip(c * ahead - d * left, -3, 3)),
-        "external_push.impulse_y": float(np.clip(d * ahead + c * left, -3, 3)),
-        "external_push.impulse_turn": float(np.clip(turn, -0.3, 0.3)),
-        "external_push.start": start,
+        f"{name}.impulse_x": float(np.clip(c * ahead - d * left, -3, 3)),
+        f"{name}.impulse_y": float(np.clip(d * ahead + c * left, -3, 3)),
+        f"{name}.impulse_turn": float(np.clip(turn, -0.3, 0.3)),
+        f"{name}.start": start,
     }

@@ -13,12 +13,13 @@ from itertools import product
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.candidates.scan_areas import Area
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.shapes.score_tests import Residual
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect
 
-NAME = "low_friction_patch"
 RADIUS = 0.25  # m: half of a small robot's turn
 RADII = (0.18, 0.3, 0.37)  # m, tried where a spot of the usual radius does best
 LOSSES = (0.5, 0.65, 0.78, 0.88)  # grips of a half to an eighth
@@ -28,21 +29,24 @@ KEPT = 3
 Spot = dict[str, float]
 
 
-def slides(parent: Fit, residual: Residual, centres: FloatArray) -> list[tuple[Spot, float]]:
+def slides(parent: Fit, residual: Residual, centres: FloatArray, effect: Effect) -> list[tuple[Spot, float]]:
     """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win as such."""
-    tried = [_spot(x, y, RADIUS, loss) for (x, y), loss in product(centres.tolist(), LOSSES)]
+    tried = [_spot(effect, x, y, RADIUS, loss) for (x, y), loss in product(centres.tolist(), LOSSES)]
     promise = tried_out(parent, residual, tried)
     kept = apart(promise, np.repeat(centres, len(LOSSES), axis=0), KEPT, APART)
-    return [_of_best_radius(parent, residual, tried[i], float(promise[i])) for i in kept]
+    return [_of_best_radius(parent, residual, tried[i], float(promise[i]), effect) for i in kept]
 
 
-def _of_best_radius(parent: Fit, residual: Residual, spot: Spot, promise: float) -> tuple[Spot, float]:
-    tried = [spot | {f"{NAME}.radius": radius} for radius in RADII]
+def _of_best_radius(
+    parent: Fit, residual: Residual, spot: Spot, promise: float, effect: Effect
+) -> tuple[Spot, float]:
+    x, y, loss = (spot[f"{effect.name}.{name}"] for name in ("x", "y", "loss"))
+    tried = [_spot(effect, x, y, radius, loss) for radius in RADII]
     promises = [promise, *tried_out(parent, residual, tried).tolist()]
     best = int(np.argmax(promises))
     return [spot, *tried][best], promises[best]
 
 
-def _spot(x: float, y: float, radius: float, loss: float) -> Spot:
-    numbers = {"x": x, "y": y, "radius": radius, "spread": 0.0, "loss": loss}
-    return {f"{NAME}.{name}": value for name, value in numbers.items()}
+def _spot(effect: Effect, x: float, y: float, radius: float, loss: float) -> Spot:
+    acting = {f"{effect.name}.spread": 0.0, f"{effect.name}.loss": loss}
+    return Area(x, y, radius, radius).numbers(effect) | acting

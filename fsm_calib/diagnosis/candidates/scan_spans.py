@@ -7,6 +7,7 @@ and end find these: a fit that starts a second off stays there, since the likeli
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,35 +30,39 @@ class Span:
     promise: float
 
 
-def likely_span(residual: Residual, run: int, gain: FloatArray) -> Span:
+Cells = Callable[[FloatArray], list[FloatArray]]
+
+
+def likely_span(residual: Residual, run: int, cells: Cells, sizes: tuple[float, float] = LOSSES) -> Span:
     """Return the most promising span of recording `run`.
 
-    gain : (n, 5), what the increments change by when the wheel's gain is doubled.
+    cells : edges (m + 1,) [s] to what acting in each cell between two of them changes in the increments of every
+    recording, (n, 5, m); sizes : smallest and largest multiple of that which counts.
     """
     time = residual.whiteners[run].prepared.time
     ends = [max(time[0], 0.0), time[-1]]
-    found = _best(residual, run, gain, np.unique([*np.arange(ends[0], ends[1] - COARSE, COARSE), *ends]))
+    found = _best(residual, cells, sizes, np.unique([*np.arange(ends[0], ends[1] - COARSE, COARSE), *ends]))
     about = [np.arange(at - ABOUT, at + ABOUT, FINE) for at in (found.begin, found.end)]
     fine = np.unique(np.clip(np.concatenate([*about, ends]), *ends))
-    return max(found, _best(residual, run, gain, fine), key=lambda span: span.promise)
+    return max(found, _best(residual, cells, sizes, fine), key=lambda span: span.promise)
 
 
-def _best(residual: Residual, run: int, gain: FloatArray, edges: FloatArray) -> Span:
+def _best(residual: Residual, cells: Cells, sizes: tuple[float, float], edges: FloatArray) -> Span:
     """Return the most promising span between two of `edges` [s]."""
-    x = project(residual, _cells(residual, run, gain, edges))
+    x = project(residual, cells(edges))
     score, gram = np.r_[0.0, np.cumsum(x.T @ residual.psi)], np.zeros((len(edges), len(edges)))
     gram[1:, 1:] = np.cumsum(np.cumsum(x.T @ x, axis=0), axis=1)
     i, j = np.triu_indices(len(edges), 1)
     power = gram[j, j] - gram[i, j] - gram[j, i] + gram[i, i]
     amplitude = (score[j] - score[i]) / np.maximum(power, 1e-12)
-    counts = (np.abs(amplitude) > LOSSES[0]) & (np.abs(amplitude) < LOSSES[1])
+    counts = (np.abs(amplitude) > sizes[0]) & (np.abs(amplitude) < sizes[1])
     promise = np.where(counts, 0.5 * amplitude**2 * power, 0.0)
     best = int(np.argmax(promise))
     return Span(float(edges[i[best]]), float(edges[j[best]]), -float(amplitude[best]), float(promise[best]))
 
 
-def _cells(residual: Residual, run: int, gain: FloatArray, edges: FloatArray) -> list[FloatArray]:
-    """Return `gain` cut at `edges`, (n, 5, cells), for its recording, and nothing for the others."""
+def gain_cells(residual: Residual, run: int, gain: FloatArray, edges: FloatArray) -> list[FloatArray]:
+    """Return `gain` (n, 5) cut at `edges`, (n, 5, cells), for its recording, and nothing for the others."""
     prepared = [whitener.prepared for whitener in residual.whiteners]
     cells = [np.zeros((*p.step.shape, len(edges) - 1)) for p in prepared]
     index = np.clip(np.searchsorted(edges, prepared[run].time, side="right") - 1, 0, len(edges) - 2)

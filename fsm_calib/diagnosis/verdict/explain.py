@@ -161,7 +161,8 @@ def located(decision: Decision) -> Located:
         return Located(p_value=decision.location.p_value)
     for ranked in decision.model.effects if decision.outcome == "explained" else ():
         effect = registry()[ranked.name]
-        numbers = estimates(ranked, decision.model.fit)
+        usual = {p.name: Estimate(p.null, math.nan, p.unit) for p in effect.parameters}
+        numbers = usual | estimates(ranked, decision.model.fit)
         channels += [c for c in effect.channels if c == "sensor" and c not in channels]
         if effect.scan == "place":
             size = numbers.get("radius") or Estimate(
@@ -170,7 +171,7 @@ def located(decision: Decision) -> Located:
             place = {"x": numbers["x"].value, "y": numbers["y"].value, "radius": size.value}
         if effect.scan == "time":
             start = numbers["start"].value
-            length = numbers["duration"].value if "duration" in numbers else effect.parameter("duration").null
+            length = numbers["duration"].value
             when = ((round(start, 3), round(start + length, 3)),)
     channels = channels or list(
         registry()[decision.model.effects[0].name].channels if decision.model.effects else ()
