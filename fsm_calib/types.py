@@ -42,7 +42,15 @@ def read_only(array: object, dtype: type = np.float64) -> NDArray:
 
 @dataclass(frozen=True, slots=True)
 class Pose2:
-    """A pose on the floor: x, y [m], theta [rad], of `base` in `world` unless a name says otherwise."""
+    """A pose on the floor, of `base` in `world` unless a name says otherwise.
+
+    Parameters
+    ----------
+    x, y : float
+        Place: ahead and to the left in the parent frame [m].
+    theta : float
+        Heading, counter-clockwise from the parent's x axis [rad].
+    """
 
     x: float = 0.0
     y: float = 0.0
@@ -117,7 +125,23 @@ class CameraModel:
 
 @dataclass(frozen=True, slots=True)
 class CameraMount:
-    """Where the camera sits on the robot: forward of the axle, left and up [m]; pitch down, roll, yaw left [rad]."""
+    """Where the camera sits on the robot and where it looks.
+
+    Parameters
+    ----------
+    forward : float
+        How far ahead of the axle's centre [m].
+    left : float
+        How far to the left of it [m].
+    height : float
+        How far above the floor [m].
+    pitch : float
+        How far it looks down [rad].
+    roll : float
+        Turn about its line of sight [rad]; positive lowers its right side.
+    yaw : float
+        How far it looks to the left [rad].
+    """
 
     forward: float = 0.070
     left: float = 0.0
@@ -138,7 +162,17 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class BoardSpec:
-    """A chessboard: inner corners along a row and a column, side of a square [m]."""
+    """A chessboard.
+
+    Parameters
+    ----------
+    columns : int
+        Inner corners along a row [1].
+    rows : int
+        Inner corners along a column [1].
+    square : float
+        Side of a square [m].
+    """
 
     columns: int = 7
     rows: int = 5

@@ -41,9 +41,10 @@ class Limits:
         Places from which the boards are scanned, the first included.
     focus_looks : int
         Looks at the sharpness before the picture counts as blurred.
-    seeking_steps, seeking_angle : int, float
-        Budget of one search for markers or the lane. The paper: "no more than one revolution"; 10 % more for
-        the overlap.
+    seeking_steps : int
+        Budget of one search for markers or the lane, in steps [1].
+    seeking_angle : float
+        Budget of one search as a turn [rad]. The paper: "no more than one revolution"; 10 % more for the overlap.
     turns : int
         Small turning steps of one alignment.
     overshoots : int

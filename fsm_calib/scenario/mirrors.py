@@ -73,7 +73,8 @@ def effects_section() -> type[Section]:
         values: dict[str, Any] = {parameter.name: _physical(parameter) for parameter in effect.parameters}
         title = "".join(word.capitalize() for word in effect.name.split("_"))
         part = create_model(f"{title}Section", __base__=Section, **values)
-        parts[effect.name] = (part | None, Field(default=None))
+        said = f"{effect.summary[0].upper()}{effect.summary[1:]}: {effect.equation}."
+        parts[effect.name] = (part | None, Field(default=None, description=said))
     return create_model(
         "EffectsSection", __base__=Section, __doc__="Effects of the catalogue, by name.", **parts
     )

@@ -39,18 +39,24 @@ NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]*$"
 class CameraSection(Section):
     """A lens: pinhole and plumb_bob distortion [px, 1]; `k4` to `k6` make it a rational one."""
 
-    fx: float = Field(..., gt=50, lt=5000)
-    fy: float = Field(..., gt=50, lt=5000)
-    cx: float = Field(..., gt=0, lt=5000)
-    cy: float = Field(..., gt=0, lt=5000)
-    k1: float = 0.0
-    k2: float = 0.0
-    p1: float = 0.0
-    p2: float = 0.0
-    k3: float = 0.0
-    k4: float | None = None
-    k5: float | None = None
-    k6: float | None = None
+    fx: float = Field(..., gt=50, lt=5000, description="Focal length along x [px].")
+    fy: float = Field(..., gt=50, lt=5000, description="Focal length along y [px].")
+    cx: float = Field(..., gt=0, lt=5000, description="Principal point along x [px].")
+    cy: float = Field(..., gt=0, lt=5000, description="Principal point along y [px].")
+    k1: float = Field(default=0.0, description="First radial coefficient [1].")
+    k2: float = Field(default=0.0, description="Second radial coefficient [1].")
+    p1: float = Field(default=0.0, description="First tangential coefficient [1].")
+    p2: float = Field(default=0.0, description="Second tangential coefficient [1].")
+    k3: float = Field(default=0.0, description="Third radial coefficient [1].")
+    k4: float | None = Field(
+        default=None, description="First coefficient of the rational model's denominator [1]."
+    )
+    k5: float | None = Field(
+        default=None, description="Second coefficient of the rational model's denominator [1]."
+    )
+    k6: float | None = Field(
+        default=None, description="Third coefficient of the rational model's denominator [1]."
+    )
 
     def build(self) -> CameraModel:
         """Return the camera model, 640 x 480."""
@@ -66,19 +72,21 @@ class KnownSection(Section):
     """What the robot knows from an earlier calibration."""
 
     camera: bool = Field(default=False, description="It knows its lens and how the camera is mounted.")
-    wheel_ratio: float | None = Field(default=None, gt=0.5, lt=2.0, description="The wheel ratio k in use.")
+    wheel_ratio: float | None = Field(
+        default=None, gt=0.5, lt=2.0, description="The wheel ratio k in use [1]."
+    )
     ratio_drift: float | None = Field(
         default=None,
         gt=-0.5,
         lt=0.5,
-        description="The wheel ratio was calibrated, and the true one has since drifted by this share: "
+        description="The wheel ratio was calibrated, and the true one has since drifted by this share [1]: "
         "k in use = true k / (1 + ratio_drift).",
     )
     errors: float = Field(
         default=1.0,
         ge=0.0,
         le=20.0,
-        description="How wrong this knowledge is, as a multiple of what a calibration leaves: camera 0.15 px, "
+        description="How wrong this knowledge is, as a multiple of what a calibration leaves [1]: camera 0.15 px, "
         "tilt 0.1 deg, yaw 0.5 deg, wheel ratio 0.1 % (not of `wheel_ratio`, which is taken as given).",
     )
 
@@ -127,7 +135,9 @@ class RobotSection(Section):
     mount: MountSection | None = Field(
         default=None, description="Where the camera truly sits, in place of the drawn mount."
     )
-    known: KnownSection = KnownSection()
+    known: KnownSection = Field(
+        default=KnownSection(), description="What the robot knows from an earlier calibration."
+    )
     start: PoseSection | None = Field(
         default=None,
         description="Where the robot begins, in the area's frame; by default between the boards.",
@@ -141,7 +151,7 @@ class RobotSection(Section):
     speed: float | None = Field(
         default=None, gt=0.1, lt=5.0, description="All motor gains, as a share of the nominal ones [1]."
     )
-    base: BaseSection = BaseSection()
+    base: BaseSection = Field(default=BaseSection(), description="Physics of the base robot.")
     effects: EffectsSection = Field(
         default=EffectsSection(), description="Physics beyond the nominal robot, switched on by name."
     )
@@ -149,7 +159,7 @@ class RobotSection(Section):
         default=None,
         gt=0.5,
         lt=2.0,
-        description="The true wheel ratio k (right command over left command) for straight driving.",
+        description="The true wheel ratio k (right command over left command) for straight driving [1].",
     )
 
 
@@ -160,31 +170,35 @@ class BoardsSection(Section):
         default="mixed",
         description="`mixed`: leaned, turned and one flat on the floor; `upright`: as in the paper.",
     )
-    count: int = Field(default=3, ge=1, le=6, description="How many.")
-    board: BoardSection = BoardSection()
+    count: int = Field(default=3, ge=1, le=6, description="How many [1].")
+    board: BoardSection = Field(default=BoardSection(), description="Form of the chessboards.")
     placed: tuple[PlacedBoard, ...] | None = Field(
         default=None, min_length=1, max_length=12, description="Boards one by one, in place of a layout."
     )
     start_board: int | None = Field(
         default=None,
         ge=0,
-        description="The board ahead of the robot at the start; by default found from the layout.",
+        description="Number of the board ahead of the robot at the start [1]; by default found from the layout.",
     )
 
 
 class SceneSection(Section):
     """The calibration area: chessboards ahead, floor markers behind, the marked lane beyond them."""
 
-    boards: BoardsSection = BoardsSection()
-    field: FieldSection = FieldSection()
-    road: RoadSection = RoadSection()
-    walls: tuple[WallSection, ...] = ()
+    boards: BoardsSection = Field(default=BoardsSection(), description="The chessboards around the robot.")
+    field: FieldSection = Field(
+        default=FieldSection(), description="The field of floor markers behind the robot."
+    )
+    road: RoadSection = Field(default=RoadSection(), description="The lane beyond the field.")
+    walls: tuple[WallSection, ...] = Field(
+        default=(), description="Walls in the area, beside those of the hall."
+    )
 
 
 class OutputSection(Section):
     """What a run leaves behind."""
 
-    frames: int = Field(default=24, ge=0, le=500, description="Camera frames kept for the report.")
+    frames: int = Field(default=24, ge=0, le=500, description="Camera frames kept for the report [1].")
     recording: bool = Field(
         default=True, description="Write the drive as a recording (fsm-calib/recording@1)."
     )
@@ -208,25 +222,36 @@ class Scenario(Section):
 
     name: str = Field(..., pattern=NAME_PATTERN, max_length=64, description="Name of the scenario.")
     seed: int = Field(
-        default=0, ge=0, lt=2**63, description="Seed of everything random; the same seed gives the same run."
+        default=0,
+        ge=0,
+        lt=2**63,
+        description="Seed of everything random [1]; the same seed gives the same run.",
     )
-    robot: RobotSection = RobotSection()
-    scene: SceneSection = SceneSection()
-    sensor: SensorSection = SensorSection()
-    world: WorldSection = WorldSection()
-    wear: WearSection = WearSection()
+    robot: RobotSection = Field(default=RobotSection(), description="The robot that is to be calibrated.")
+    scene: SceneSection = Field(default=SceneSection(), description="The calibration area.")
+    sensor: SensorSection = Field(
+        default=SensorSection(), description="How the camera turns light into a file."
+    )
+    world: WorldSection = Field(default=WorldSection(), description="How the world is simulated.")
+    wear: WearSection = Field(
+        default=WearSection(), description="How the true wheel ratio drifts while driving."
+    )
     faults: tuple[FaultSection, ...] = Field(
         default=(), max_length=20, description="What goes wrong, and when."
     )
     plan: tuple[Phase, ...] = Field(
         default=PHASES, min_length=1, description="Phases to run, in the paper's order."
     )
-    limits: LimitsSection = LimitsSection()
-    actions: ActionsSection = ActionsSection()
+    limits: LimitsSection = Field(
+        default=LimitsSection(), description="How often, how long and how well the machines try."
+    )
+    actions: ActionsSection = Field(
+        default=ActionsSection(), description="Settings of what the machines' states do."
+    )
     published: tuple[Published, ...] = Field(
         default=(), description="Behaviours of the published method that replace the corrected ones, by name."
     )
-    output: OutputSection = OutputSection()
+    output: OutputSection = Field(default=OutputSection(), description="What a run leaves behind.")
 
     @field_validator("plan")
     @classmethod

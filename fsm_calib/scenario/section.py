@@ -68,7 +68,9 @@ def mirror(
     """
     hints = typing.get_type_hints(target)
     texts = field_texts(inspect.getdoc(target) or "")
-    fields: dict[str, Any] = {} if kind is None else {"kind": (Literal[kind], ...)}
+    fields: dict[str, Any] = {}
+    if kind is not None:
+        fields["kind"] = (Literal[kind], Field(..., description=f"Which kind it is: `{kind}`."))
     for field in dataclasses.fields(target):
         if field.name in skip or not field.init:
             continue

@@ -27,7 +27,9 @@ else:
 class RobotScenario(Scenario):
     """What every robot of the study goes through; name and seed are the study's business."""
 
-    name: str = Field(default="robot", pattern=NAME_PATTERN, max_length=64)
+    name: str = Field(
+        default="robot", pattern=NAME_PATTERN, max_length=64, description="Name of the robots' scenario."
+    )
     plan: tuple[Phase, ...] = Field(
         default=PAPER_PLAN,
         min_length=1,
@@ -43,7 +45,7 @@ class SweepSection(Section):
     setting: str = Field(
         ..., description="Which setting, by its dotted path in `scenario`: scene.field.heading_sd."
     )
-    values: tuple[float, ...] = Field(..., min_length=1, max_length=50, description="The values.")
+    values: tuple[float, ...] = Field(..., min_length=1, max_length=50, description="The values [`unit`].")
     unit: str = Field(default="", max_length=24, description="Unit of the values, for the figure.")
     whole: bool = Field(default=False, description="The setting counts something: values are whole numbers.")
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 
-from fsm_calib.scenario.schema import DIALECT
+from fsm_calib.scenario.schema import DIALECT, described
 from fsm_calib.study.models import Study
 
 
 def study_schema_text() -> str:
     """Return the schema as the text of ``scenarios/study_schema.json``."""
-    schema = {"$schema": DIALECT, **Study.model_json_schema()}
+    schema = described({"$schema": DIALECT, **Study.model_json_schema()})
     return json.dumps(schema, indent=2, sort_keys=True, ensure_ascii=False) + "\n"

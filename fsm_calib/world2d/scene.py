@@ -38,10 +38,21 @@ FLAT_CLEARANCE = 0.0005
 class BoardPlacement:
     """A chessboard in the area.
 
-    x, y : centre of the squares in `world` [m]; z : its height [m], None for a board that stands or lies on
-    the floor. yaw : heading of the horizontal part of the printed face's normal [rad]; for a flat board,
-    whose normal is up, it is the side from which the print reads upright. lean : how far the face is turned
-    up [rad]: 0 stands upright, pi/2 lies flat. margin : white border around the squares [m].
+    Parameters
+    ----------
+    board : BoardSpec
+        Form of the printed chessboard.
+    x, y : float
+        Centre of the squares in `world` [m].
+    z : float or None
+        Height of the centre [m]; by default such that the board stands or lies on the floor.
+    yaw : float
+        Heading of the horizontal part of the printed face's normal [rad]; of a flat board, whose normal is up, the
+        side from which the print reads upright.
+    lean : float
+        How far the face is turned up [rad]: 0 stands upright, pi/2 lies flat.
+    margin : float
+        White border around the squares [m].
     """
 
     board: BoardSpec = field(default_factory=BoardSpec)
@@ -79,11 +90,29 @@ class BoardPlacement:
 class MarkerField:
     """Rows and columns of tag36h11 on the floor; rows run along the driving direction (towards -x).
 
-    first_x : x of the column nearest to the start [m]; heading : heading of every marker's x axis [rad], so
-    that a robot that drives towards -x sees 0; spacing_sd : irregular placement [m]; heading_sd : orientation
-    error [rad];
-    missing : numbers of markers that are not there. Numbers grow along a row from `first_id`, row by row from
-    the robot's right hand (+y) as it drives.
+    Parameters
+    ----------
+    rows : int
+        Rows along the driving direction [1].
+    columns : int
+        Markers in a row [1].
+    first_x : float
+        Where the column nearest to the start lies along x [m].
+    pitch : float
+        Distance of neighbouring markers [m].
+    size : float
+        Side of a marker's black square [m].
+    first_id : int
+        Number of the first marker [1]; numbers grow along a row, row by row from the robot's right hand (+y) as it
+        drives.
+    heading : float
+        Heading of every marker's x axis [rad], so that a robot that drives towards -x sees 0.
+    spacing_sd : float
+        Irregular placement, standard deviation along x and y [m].
+    heading_sd : float
+        Orientation error, standard deviation [rad].
+    missing : tuple of int
+        Numbers of markers that are not there [1].
     """
 
     rows: int = 9
@@ -114,11 +143,36 @@ class MarkerField:
 class Road:
     """A straight road of one lane each way (Duckietown appearance specification; right-hand traffic).
 
-    start : pose of the right lane's centre line where the road begins, heading along the traffic; length [m];
-    white_width, yellow_width : line widths [m]; dash, gap of the yellow line [m]; lane_width : between the
-    lines [m].
-    markers : number of refinement markers in the lane's middle, the first one `first_marker` [m] along the
-    lane and with the reserved number `first_id`; marker_pitch and marker_heading_sd as in `MarkerField`.
+    Parameters
+    ----------
+    start : Pose2
+        Pose of the right lane's centre line where the road begins, heading along the traffic.
+    length : float
+        Length of the road [m].
+    lane_width : float
+        Width of a lane between its lines [m].
+    white_width : float
+        Width of the white lines [m].
+    yellow_width : float
+        Width of the yellow line [m].
+    dash : float
+        Length of a dash of the yellow line [m].
+    gap : float
+        Gap between the dashes of the yellow line [m].
+    markers : int
+        Refinement markers in the lane's middle [1].
+    first_marker : float
+        Where the first of them lies along the lane [m].
+    marker_pitch : float
+        Distance of neighbouring ones [m].
+    marker_size : float
+        Side of a marker's black square [m].
+    first_id : int
+        Reserved number of the first of them [1].
+    marker_spacing_sd : float
+        Irregular placement, standard deviation along x and y [m].
+    marker_heading_sd : float
+        Orientation error, standard deviation [rad].
     """
 
     start: Pose2 = field(default_factory=lambda: Pose2(-1.9, -TILE, math.pi / 2.0))
@@ -160,7 +214,19 @@ class Road:
 
 @dataclass(frozen=True, slots=True)
 class Wall:
-    """An upright wall from (x0, y0) to (x1, y1) [m], both faces visible, solid."""
+    """An upright wall from (x0, y0) to (x1, y1) [m], both faces visible, solid.
+
+    Parameters
+    ----------
+    x0, y0 : float
+        Where it begins in `world` [m].
+    x1, y1 : float
+        Where it ends in `world` [m].
+    height : float
+        Its height [m].
+    shade : str
+        What it looks like: `wood`, or another texture's name.
+    """
 
     x0: float
     y0: float

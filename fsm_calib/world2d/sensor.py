@@ -45,11 +45,22 @@ class Light:
 class SensorSettings:
     """How the camera turns light into a file.
 
-    defocus : standard deviation of the blur [px] (0.5 to 0.7 in focus); exposure : time the shutter is open
-    [s] (Pi camera in "sports" mode, indoors: about 8 ms); read_noise [grey levels]; shot_noise : variance per
-    grey level [grey levels]; vignette : loss of light at the image corner [1]; brightness : scale of all
-    light [1];
-    jpeg_quality : 1 to 100, 0 leaves JPEG out.
+    Parameters
+    ----------
+    defocus : float
+        Standard deviation of the blur [px]; 0.5 to 0.7 in focus.
+    exposure : float
+        Time the shutter is open [s]; Pi camera in "sports" mode, indoors: about 8 ms.
+    read_noise : float
+        Noise of reading out, standard deviation [grey levels].
+    shot_noise : float
+        Variance of the light's own noise for each grey level [grey levels].
+    vignette : float
+        Loss of light at the image's corners [1].
+    brightness : float
+        Scale of all light [1].
+    jpeg_quality : int
+        Quality of the JPEG, 1 to 100 [1]; 0 leaves JPEG out.
     """
 
     defocus: float = 0.6

@@ -25,6 +25,13 @@ class Wear:
     direction.
 
     Gearbox and coating wear (paper section 5.2), made fast enough to be seen in one run.
+
+    Parameters
+    ----------
+    per_metre : float
+        Relative change of the wheel ratio for each metre driven [1/m].
+    limit : float
+        Largest relative change in either direction [1].
     """
 
     per_metre: float = 0.0
@@ -39,10 +46,18 @@ class Wear:
 class WorldSettings:
     """How the world is simulated.
 
-    step [s]; command_limit : largest command that the driver lets through [1] (Duckietown's limit);
-    drive_noise : relative standard deviation of each wheel's answer, drawn anew every `noise_period` [s] and
-    interpolated between (assumed: small unevenness of floor and gears); trace_period : spacing of the true
-    path that is kept [s].
+    Parameters
+    ----------
+    step : float
+        Longest step of the simulation [s].
+    command_limit : float
+        Largest command that the driver lets through [1] (Duckietown's limit).
+    drive_noise : float
+        Relative standard deviation of each wheel's answer [1]: small unevenness of floor and gears (assumed).
+    noise_period : float
+        How often it is drawn anew [s]; interpolated between.
+    trace_period : float
+        Spacing of the true path that is kept [s].
     """
 
     step: float = LONGEST_STEP
