@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rosbags.highlevel import AnyReader
 
 from fsm_calib.errors import InputError
 from fsm_calib.perception.encoded import decode_image
+from fsm_calib.recording.bag_reader import BagReader
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.duckietown_messages import typestore
 from fsm_calib.recording.recording import Finding
@@ -29,7 +29,7 @@ def poses_from_bag_images(path: Path, tag_map: TagMap, start: float) -> tuple[Po
     images = 0
     tracks: list[PoseTrack] = []
     try:
-        with AnyReader([path], default_typestore=typestore()) as reader:
+        with BagReader([path], default_typestore=typestore()) as reader:
             wanted = [c for c in reader.connections if c.msgtype.split("/")[-1] in KINDS]
             for connection, stamp, raw in reader.messages(connections=wanted):
                 message = reader.deserialize(raw, connection.msgtype)

@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rosbags.highlevel import AnyReader
 
 from fsm_calib.errors import InputError
 from fsm_calib.recording import channels as kinds
 from fsm_calib.recording.bag_images import poses_from_bag_images
+from fsm_calib.recording.bag_reader import BagReader
 from fsm_calib.recording.channels import (
     CommandTrack,
     PoseTrack,
@@ -80,7 +80,7 @@ def _read_topics(path: Path) -> dict[str, list[tuple[int, str, Any]]]:
     """Return (stamp [ns], type, message) of every wanted message by topic."""
     topics: dict[str, list[tuple[int, str, Any]]] = defaultdict(list)
     try:
-        with AnyReader([path], default_typestore=typestore()) as reader:
+        with BagReader([path], default_typestore=typestore()) as reader:
             wanted = [c for c in reader.connections if c.msgtype.split("/")[-1] in WANTED]
             for connection, stamp, raw in reader.messages(connections=wanted):
                 message = reader.deserialize(raw, connection.msgtype)

@@ -17,6 +17,22 @@ WHEELS_TYPE = "duckietown_msgs/msg/WheelsCmdStamped"
 TICK_TYPE = "duckietown_msgs/msg/WheelEncoderStamped"
 STATE_TYPE = "duckietown_msgs/msg/FSMState"
 POSE_TYPE = "duckietown_msgs/msg/Pose2DStamped"
+STATES = (
+    "LANE_FOLLOWING",
+    "INTERSECTION_COORDINATION",
+    "INTERSECTION_CONTROL",
+    "NORMAL_JOYSTICK_CONTROL",
+    "SAFE_JOYSTICK_CONTROL",
+    "PARKING",
+    "ARRIVE_AT_STOP_LINE",
+    "LANE_RECOVERY",
+    "INTERSECTION_RECOVERY",
+    "CALIBRATING",
+    "CALIBRATING_CALC",
+)
+"""Constants of FSMState, in their order: they count in a message's md5, by which nodes know each other's types.
+
+ROS 1 keeps their quotes as part of the value, rosbags takes off one pair: hence two."""
 HEADER = "std_msgs/Header header\n"
 DEFINITIONS = {
     CHANNEL_TYPE: HEADER + "float64[] values\nstring text\n",
@@ -27,7 +43,7 @@ DEFINITIONS = {
     "duckietown_msgs/msg/Twist2DStamped": HEADER + "float32 v\nfloat32 omega\n",
     POSE_TYPE: HEADER + "float64 x\nfloat64 y\nfloat64 theta\n",
     "duckietown_msgs/msg/BoolStamped": HEADER + "bool data\n",
-    STATE_TYPE: HEADER + "string state\n",
+    STATE_TYPE: HEADER + "string state\n" + "".join(f"string {name}='\"{name}\"'\n" for name in STATES),
     "duckietown_msgs/msg/AprilTagDetection": "geometry_msgs/Transform transform\nint32 tag_id\n"
     "string tag_family\nint32 hamming\nfloat32 decision_margin\nfloat32[9] homography\nfloat32[2] center\n"
     "float32[8] corners\nfloat32 pose_error\n",
