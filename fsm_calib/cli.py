@@ -31,6 +31,7 @@ COMMAND_MODULES: tuple[str, ...] = (
     "study",
     "begin",
     "targets",
+    "watch",
 )
 """Modules of `fsm_calib.commands` with `register(app)`; each adds its commands to the command line."""
 

@@ -33,6 +33,7 @@ COMPOSERS = {
     "shipped",
     "demo",
     "targets",
+    "watch",
 }
 HOMES = {
     "pymunk": {"world2d"},

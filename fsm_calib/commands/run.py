@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fsm_calib.commands.options import EffectsOption
+from fsm_calib.commands.watch import watched
 from fsm_calib.errors import InputError
 
 if TYPE_CHECKING:
@@ -36,10 +37,12 @@ def run(
         Path | None, typer.Option(help="Go on with the run in this directory.", show_default=False)
     ] = None,
     effects: EffectsOption = None,
+    watch: Annotated[bool, typer.Option("--watch", help="Serve a page that shows the run.")] = False,
 ) -> None:
     """Calibrate a robot as a scenario says: camera, wheels, exit, lane."""
     from fsm_calib.runner.progress import ProgressBar
     from fsm_calib.runner.run import run_scenario
+    from fsm_calib.watch.area import write_area
 
     if resume is not None and out is not None and out != resume:
         raise InputError(
@@ -47,9 +50,12 @@ def run(
         )
     loaded = with_seed(read_scenario(scenario), seed)
     directory = resume or out or DEFAULT_OUT
-    with ProgressBar(loaded.plan) as bar:
-        finished = run_scenario(loaded, directory, resume=resume is not None, observer=bar)
-    typer.echo(summary(finished.result, directory))
+    if resume is None:
+        write_area(directory, loaded)
+    with watched(directory, watch):
+        with ProgressBar(loaded.plan) as bar:
+            finished = run_scenario(loaded, directory, resume=resume is not None, observer=bar)
+        typer.echo(summary(finished.result, directory))
     if finished.result["outcome"] != "done":
         typer.echo(reason(finished.result, scenario, directory), err=True)
         raise typer.Exit(1)
