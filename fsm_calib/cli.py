@@ -133,13 +133,17 @@ def diagrams(
     out: Annotated[Path, typer.Option(help="Where the diagrams are.")] = Path("diagrams"),
 ) -> None:
     """Draw the machines: Mermaid text, DOT text and a picture of each, from their tables."""
-    from fsm_calib.machines.diagram import stale_diagrams, write_diagrams
+    from fsm_calib.machines.calibration import CALIBRATION
+    from fsm_calib.statechart.diagrams import stale_diagrams, write_diagrams
+    from fsm_calib.statechart.validate import check as check_tables
+
+    check_tables(CALIBRATION)
 
     if not check:
-        write_diagrams(out)
+        write_diagrams(CALIBRATION, out)
         typer.echo(f"diagrams written to {out}/")
         return
-    stale = [str(path) for path in stale_diagrams(out)]
+    stale = [str(path) for path in stale_diagrams(CALIBRATION, out)]
     if stale:
         typer.echo(f"stale: {', '.join(stale)}. Run: fsm-calib diagrams", err=True)
         raise typer.Exit(1)

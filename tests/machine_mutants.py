@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from fsm_calib.machines.spec import Chart, State, Transition
+from fsm_calib.statechart.spec import Chart, State, Transition
 
 SET = ("begin_", "end_")
 """Actions that set the books to a value: doing them twice is no slip."""

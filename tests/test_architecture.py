@@ -16,7 +16,8 @@ ROOMS = {
     "outcome": GROUND,
     "perception": GROUND,
     "world2d": GROUND | {"ports"},
-    "machines": GROUND | {"outcome"},
+    "statechart": {"errors"},  # every machine's words; of ours only the errors, whose sentences users read
+    "machines": GROUND | {"outcome", "statechart"},
     "actions": GROUND | {"ports", "perception", "outcome"},
     "recording": GROUND | {"perception"},
     "robots": GROUND | {"ports", "recording", "world2d"},
@@ -37,7 +38,7 @@ COMPOSERS = {
 }
 HOMES = {
     "pymunk": {"world2d"},
-    "transitions": {"machines"},
+    "transitions": {"statechart"},
     "cv2": {"perception", "world2d"},
     "rosbags": {"recording"},
 }

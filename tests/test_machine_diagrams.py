@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from fsm_calib.machines.diagram import diagram_texts, draw_svg, pictures, stale_diagrams, write_diagrams
-from fsm_calib.machines.dot import dot_text
-from fsm_calib.machines.mermaid import LINE, STAY, mermaid_text
-from fsm_calib.machines.picture import picture
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.machines.supervisor import MACHINES, SUPERVISOR
+from fsm_calib.statechart.diagrams import diagram_texts, draw_svg, pictures, stale_diagrams, write_diagrams
+from fsm_calib.statechart.dot import dot_text
+from fsm_calib.statechart.mermaid import LINE, STAY, mermaid_text
+from fsm_calib.statechart.picture import picture
 
 DIAGRAMS = Path(__file__).parent.parent / "diagrams"
 DRAWN = r"^    (\w+) --> (\w+) : (.*)$"
@@ -77,20 +78,24 @@ def test_active_leaf_is_marked_in_dot_text_too() -> None:
 
 
 def test_committed_diagrams_are_current() -> None:
-    assert [path.name for path in stale_diagrams(DIAGRAMS)] == []
+    assert [path.name for path in stale_diagrams(CALIBRATION, DIAGRAMS)] == []
 
 
 def test_stale_and_missing_files_are_found(tmp_path: Path) -> None:
-    write_diagrams(tmp_path)
-    assert stale_diagrams(tmp_path) == []
+    write_diagrams(CALIBRATION, tmp_path)
+    assert stale_diagrams(CALIBRATION, tmp_path) == []
     (tmp_path / "scan.mmd").write_text("stateDiagram-v2\n", encoding="utf-8")
     (tmp_path / "lane.svg").write_text("<svg/>", encoding="utf-8")
     (tmp_path / "README.md").unlink()
-    assert {path.name for path in stale_diagrams(tmp_path)} == {"scan.mmd", "lane.svg", "README.md"}
+    assert {path.name for path in stale_diagrams(CALIBRATION, tmp_path)} == {
+        "scan.mmd",
+        "lane.svg",
+        "README.md",
+    }
 
 
 def test_texts_are_the_same_every_time_and_end_with_one_line_feed() -> None:
-    first, second = diagram_texts(), diagram_texts()
+    first, second = diagram_texts(CALIBRATION), diagram_texts(CALIBRATION)
     assert first == second
     assert all(
         text.endswith("\n") and not text.endswith("\n\n") and "\r" not in text for text in first.values()
@@ -98,7 +103,7 @@ def test_texts_are_the_same_every_time_and_end_with_one_line_feed() -> None:
 
 
 def test_there_is_a_picture_for_every_machine_the_supervisor_and_the_whole() -> None:
-    assert set(pictures()) == {chart.name for chart in MACHINES} | {"supervisor", "whole"}
+    assert set(pictures(CALIBRATION)) == {chart.name for chart in MACHINES} | {"supervisor", "whole"}
 
 
 def test_without_graphviz_the_texts_are_written_and_the_project_s_pictures_taken(
@@ -106,9 +111,9 @@ def test_without_graphviz_the_texts_are_written_and_the_project_s_pictures_taken
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     assert draw_svg("digraph {}") is None
-    written = write_diagrams(tmp_path / "out")
+    written = write_diagrams(CALIBRATION, tmp_path / "out")
     assert {path.suffix for path in written} == {".mmd", ".dot", ".md", ".svg"}
-    assert stale_diagrams(tmp_path / "out") == []
+    assert stale_diagrams(CALIBRATION, tmp_path / "out") == []
 
 
 def test_graphviz_is_given_the_text_and_its_failure_is_not_hidden(

@@ -7,10 +7,14 @@ from functools import cache
 from graphlib import TopologicalSorter
 
 import pytest
-from machine_explorer import NAMES, Config, Explored, explore, small_limits
 
-from fsm_calib.machines.runtime import leaves
+from fsm_calib.machines.calibration import CALIBRATION
+from fsm_calib.machines.check import small_limits
 from fsm_calib.machines.supervisor import PHASES, SUPERVISOR
+from fsm_calib.statechart.exhaustive import check_exhaustively
+from fsm_calib.statechart.explore import Config, Explored, counted, explore
+
+NAMES = counted(CALIBRATION)
 
 
 @dataclass(frozen=True)
@@ -44,26 +48,11 @@ def graph(setting: Setting) -> Explored:
         budget=setting.budget,
         misses=setting.misses,
     )
-    return explore(limits, list(setting.plan))
+    return explore(CALIBRATION, limits, list(setting.plan))
 
 
 def book(config: Config, name: str):
     return config[1][NAMES.index(name)]
-
-
-def reaching(explored: Explored, goals: set[Config]) -> set[Config]:
-    """The configurations from which one of `goals` can be reached."""
-    into: dict[Config, list[Config]] = {}
-    for config, ways in explored.ways.items():
-        for dest in ways.values():
-            into.setdefault(dest, []).append(config)
-    found, fresh = set(goals), list(goals)
-    while fresh:
-        for source in into.get(fresh.pop(), ()):
-            if source not in found:
-                found.add(source)
-                fresh.append(source)
-    return found
 
 
 @pytest.mark.parametrize("setting", SETTINGS, ids=str)
@@ -76,14 +65,14 @@ def test_every_run_ends_because_no_configuration_comes_back(setting: Setting) ->
 @pytest.mark.parametrize("setting", SETTINGS, ids=str)
 def test_only_ends_have_no_way_on(setting: Setting) -> None:
     stuck = [config for config, steps in graph(setting).ways.items() if not steps]
-    assert {leaves()[leaf].do for leaf, _ in stuck} == {""}
+    assert {CALIBRATION.leaves[leaf].do for leaf, _ in stuck} == {""}
 
 
 @pytest.mark.parametrize("setting", SETTINGS, ids=str)
 def test_success_can_be_reached_from_the_start_and_abort_from_everywhere(setting: Setting) -> None:
     explored = graph(setting)
-    done = {config for config in explored.ends if config[0] == "done"}
-    assert next(iter(explored.ways)) in reaching(explored, done)
+    done = [config for config in explored.ends if config[0] == "done"]
+    assert next(iter(explored.ways)) in explored.reaching(done)
     for steps in explored.ways.values():
         assert not steps or steps["abort", ()][0] == "aborted"
 
@@ -93,7 +82,7 @@ def test_a_named_failure_can_be_reached_from_wherever_the_robot_still_has_to_loo
     setting: Setting,
 ) -> None:
     explored = graph(setting)
-    failing = reaching(explored, {config for config in explored.ends if config[0].startswith("failed/")})
+    failing = explored.reaching(config for config in explored.ends if config[0].startswith("failed/"))
     safe = {config for config, steps in explored.ways.items() if steps and config not in failing}
     assert {leaf for leaf, _ in safe} - {"lane/judging"} == {"between"}
     assert all(book(config, "plan") == () for config in safe)
@@ -109,7 +98,13 @@ def test_every_row_of_the_table_is_taken_and_every_failure_happens() -> None:
     taken = set().union(*(graph(setting).taken for setting in SETTINGS))
     assert {edge.ident for edge in SUPERVISOR.all_transitions()} == taken
     ends = {leaf for setting in SETTINGS for leaf, _ in graph(setting).ends}
-    assert ends == {path for path, state in leaves().items() if not state.do}
+    assert ends == {path for path, state in CALIBRATION.leaves.items() if not state.do}
+
+
+def test_the_check_of_the_whole_calibration_finds_nothing() -> None:
+    findings = check_exhaustively(CALIBRATION)
+    assert findings.problems == ()
+    assert findings.configurations > 1_000
 
 
 def test_numbers_of_the_exhaustive_check(capsys) -> None:

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from fsm_calib.machines.books import Books
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.machines.limits import Limits, with_published
-from fsm_calib.machines.runtime import CalibrationMachine
 from fsm_calib.outcome import Outcome
+from fsm_calib.statechart.runtime import Machine
 
 PUBLISHED = ("single_miss_flip", "late_bound_check")
 
@@ -44,7 +45,7 @@ def figure2(boards: int, start: int, passes: int, hits: Iterable[bool]) -> list[
 def machine_rows(limits: Limits, hits: Iterable[bool]) -> list[tuple[int, bool, bool]]:
     """The same from the machine; the run is cut where the camera is solved."""
     books = Books(board=limits.start_board)
-    machine = CalibrationMachine(limits, books=books, state="scan/clockwise/collecting")
+    machine = Machine(CALIBRATION, limits, books=books, state="scan/clockwise/collecting")
     rows = []
     for hit in hits:
         machine.fire(Outcome("board_seen" if hit else "board_missed"))
@@ -75,7 +76,7 @@ def sweep(
     Return the views of each board; `missed` are frames in which the detector fails.
     """
     books = Books(board=start)
-    machine = CalibrationMachine(limits, books=books, state="scan/clockwise/collecting")
+    machine = Machine(CALIBRATION, limits, books=books, state="scan/clockwise/collecting")
     angle, views = 40.0 * start, dict.fromkeys(range(boards), 0)
     for frame in range(500):
         angle += -5.0 if "/clockwise/" in machine.state else 5.0

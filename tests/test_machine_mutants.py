@@ -6,21 +6,24 @@ library takes the first row that fits (a dropped `unless`) must break the partit
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from machine_case import LIMITS, Case
 from machine_cases import CASES
 from machine_mutants import Mutant, flat, mutants
-from machine_partition import enabled, families, vectors
-from machine_rig import Rig
 
 from fsm_calib.machines.books import Books
-from fsm_calib.machines.runtime import leaves
-from fsm_calib.machines.spec import Transition
+from fsm_calib.machines.calibration import CALIBRATION
+from fsm_calib.machines.guards import EXCLUSIVE
 from fsm_calib.machines.supervisor import PHASES, SUPERVISOR
-from fsm_calib.machines.validate import ancestors
+from fsm_calib.statechart.machinery import ancestors
+from fsm_calib.statechart.partition import enabled, families, vectors
+from fsm_calib.statechart.probe import Probe
+from fsm_calib.statechart.spec import Transition
 
 ROWS = tuple(SUPERVISOR.all_transitions())
-DESTS = tuple(path for path in leaves())
+DESTS = tuple(path for path in CALIBRATION.leaves)
 PARTS = (*PHASES, "between")
 
 
@@ -35,16 +38,16 @@ def cases_of(row: Transition) -> list[Case]:
 
 
 def breaks_the_partition(rows: tuple[Transition, ...]) -> bool:
-    return not rows or any(len(enabled(rows, answers)) != 1 for answers in vectors(rows))
+    return not rows or any(len(enabled(rows, answers)) != 1 for answers in vectors(rows, EXCLUSIVE))
 
 
 def fails_a_case(rows: tuple[Transition, ...], cases: list[Case]) -> bool:
     """Whether one of `cases` does not hold on the real machine made of `rows`."""
-    rig = Rig(LIMITS, flat(SUPERVISOR, rows))
+    rig = Probe(replace(CALIBRATION, root=flat(SUPERVISOR, rows)), LIMITS)
     return any(not holds(rig, case) for case in cases)
 
 
-def holds(rig: Rig, case: Case) -> bool:
+def holds(rig: Probe, case: Case) -> bool:
     rig.put(case.leaf, case.before)
     if not rig.fire(case.trigger, case.evidence) or rig.state != case.reached:
         return False
@@ -80,7 +83,7 @@ def test_every_mutant_of_the_declarations_is_killed(part: str, capsys) -> None:
 
 @pytest.mark.parametrize("part", PARTS)
 def test_unchanged_table_passes_what_kills_the_mutants(part: str) -> None:
-    for (source, trigger), rows in families(SUPERVISOR).items():
+    for (source, trigger), rows in families(ROWS).items():
         if source.split("/")[0] == part:
             cases = [case for case in CASES if case.trigger == trigger and source in ancestors(case.leaf)]
             assert cases

@@ -6,18 +6,19 @@ from collections.abc import Iterator
 from itertools import product
 
 import pytest
-from machine_partition import enabled, families, vectors
 
 from fsm_calib.machines.books import Books
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.machines.guards import EXCLUSIVE, GUARDS
 from fsm_calib.machines.limits import Limits
-from fsm_calib.machines.supervisor import PHASES, SUPERVISOR
+from fsm_calib.machines.supervisor import PHASES
+from fsm_calib.statechart.partition import enabled, families, vectors
 
 
-@pytest.mark.parametrize(("source", "trigger"), sorted(families(SUPERVISOR)))
+@pytest.mark.parametrize(("source", "trigger"), sorted(families(CALIBRATION.transitions)))
 def test_exactly_one_transition_is_enabled_for_every_answer_of_the_guards(source: str, trigger: str) -> None:
-    edges = families(SUPERVISOR)[source, trigger]
-    for answers in vectors(edges):
+    edges = families(CALIBRATION.transitions)[source, trigger]
+    for answers in vectors(edges, EXCLUSIVE):
         assert len(enabled(edges, answers)) == 1, answers
 
 

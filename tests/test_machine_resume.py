@@ -6,13 +6,14 @@ import json
 
 import numpy as np
 import pytest
-from machine_explorer import outcomes
 
 from fsm_calib.errors import InputError
 from fsm_calib.machines.books import Books
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.machines.limits import Limits
-from fsm_calib.machines.runtime import CalibrationMachine, Fired
 from fsm_calib.outcome import Outcome
+from fsm_calib.statechart.explore import outcomes
+from fsm_calib.statechart.runtime import Fired, Machine
 
 LIMITS = Limits(
     boards=3,
@@ -30,10 +31,10 @@ KIND = ("frame_missing", "frame_frozen", "wheel_stalled", "robot_blocked", "abor
 def walk(seed: int) -> tuple[list[Outcome], list[Fired], list[tuple[str, str]]]:
     """A random run: its outcomes, its records, and a checkpoint before each event; losses are made rare."""
     rng = np.random.default_rng(seed)
-    machine = CalibrationMachine(LIMITS)
+    machine = Machine(CALIBRATION, LIMITS)
     told, records, saved = [], [], []
     while not machine.is_terminal:
-        choices = list(outcomes(machine.state))
+        choices = list(outcomes(CALIBRATION, machine.state))
         weights = np.array([0.004 if trigger in KIND else 1.0 for trigger, _ in choices])
         trigger, evidence = choices[rng.choice(len(choices), p=weights / weights.sum())]
         saved.append((machine.state, json.dumps(machine.books.to_dict())))
@@ -47,7 +48,7 @@ def test_run_resumed_at_any_event_gives_the_same_records(seed: int) -> None:
     told, records, saved = walk(seed)
     for index in range(0, len(told), max(1, len(told) // 12)):
         state, books = saved[index]
-        machine = CalibrationMachine(LIMITS, books=Books.from_dict(json.loads(books)), state=state)
+        machine = Machine(CALIBRATION, LIMITS, books=Books.from_dict(json.loads(books)), state=state)
         assert [machine.fire(outcome) for outcome in told[index:]] == records[index:]
         assert machine.is_terminal
 

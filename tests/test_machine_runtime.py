@@ -9,31 +9,32 @@ import pytest
 from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.machines.activities import CONTRACT
 from fsm_calib.machines.books import Books
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.machines.failures import FAILURES
 from fsm_calib.machines.limits import PUBLISHED, Limits, with_published
-from fsm_calib.machines.runtime import CalibrationMachine, leaves
 from fsm_calib.machines.supervisor import PHASES
 from fsm_calib.outcome import Outcome
+from fsm_calib.statechart.runtime import Machine
 
 
 def test_plan_runs_in_the_papers_order_whatever_order_it_was_given_in() -> None:
-    machine = CalibrationMachine(plan=["lane", "wheels", "scan"])
+    machine = Machine(CALIBRATION, plan=["lane", "wheels", "scan"])
     assert machine.books.plan == ["scan", "wheels", "lane"]
 
 
 def test_run_begins_with_the_wheels_at_zero() -> None:
-    machine = CalibrationMachine()
+    machine = Machine(CALIBRATION)
     assert (machine.state, machine.activity) == ("between", "stop_wheels")
 
 
 def test_empty_plan_is_done_at_once() -> None:
-    machine = CalibrationMachine(plan=[])
+    machine = Machine(CALIBRATION, plan=[])
     machine.fire(Outcome("wheels_stopped"))
     assert (machine.state, machine.activity, machine.failure) == ("done", None, None)
 
 
 def test_failure_carries_the_activity_s_sentence_and_cure_and_where_it_happened() -> None:
-    machine = CalibrationMachine(state="wheels/forward")
+    machine = Machine(CALIBRATION, state="wheels/forward")
     machine.fire(Outcome("wheel_stalled", {}, "The left wheel did not turn at command 0.4.", "Plug it in."))
     failure = machine.failure
     assert failure is not None
@@ -42,28 +43,28 @@ def test_failure_carries_the_activity_s_sentence_and_cure_and_where_it_happened(
 
 
 def test_failure_without_a_sentence_says_the_declared_one() -> None:
-    machine = CalibrationMachine(state="wheels/forward")
+    machine = Machine(CALIBRATION, state="wheels/forward")
     machine.fire(Outcome("robot_blocked"))
-    declared = leaves()["failed/wall_hit"]
+    declared = CALIBRATION.leaves["failed/wall_hit"]
     assert machine.failure is not None
     assert (machine.failure.reason, machine.failure.cure) == (declared.reason, declared.cure)
 
 
 def test_failure_of_a_spent_budget_tells_the_numbers_and_the_table_s_cure() -> None:
     books = Books(board=1, steps=30, angle=2.5)
-    machine = CalibrationMachine(Limits(), books=books, state="scan/clockwise/searching")
+    machine = Machine(CALIBRATION, Limits(), books=books, state="scan/clockwise/searching")
     machine.fire(Outcome("board_missed", {"turned": 1.0}, "The board is not in sight.", "Look elsewhere."))
     assert machine.failure is not None
     assert "Chessboard 1 was not found" in machine.failure.reason
     assert "30 steps, 2.5 rad" in machine.failure.reason
-    assert machine.failure.cure == leaves()["failed/board_missing"].cure
+    assert machine.failure.cure == CALIBRATION.leaves["failed/board_missing"].cure
 
 
 def test_failure_is_in_the_books_and_so_in_the_checkpoint() -> None:
-    machine = CalibrationMachine(state="wheels/forward")
+    machine = Machine(CALIBRATION, state="wheels/forward")
     machine.fire(Outcome("wheel_stalled", {}, "The left wheel stands.", "Plug it in."))
     books = Books.from_dict(machine.books.to_dict())
-    resumed = CalibrationMachine(books=books, state="failed/wheel_dead")
+    resumed = Machine(CALIBRATION, books=books, state="failed/wheel_dead")
     assert resumed.is_terminal
     assert resumed.failure == machine.failure
 
@@ -77,13 +78,13 @@ def test_every_failure_has_a_reason_and_a_cure_that_are_sentences(state) -> None
 
 
 def test_aborted_run_has_no_failure() -> None:
-    machine = CalibrationMachine(state="lane/following")
+    machine = Machine(CALIBRATION, state="lane/following")
     machine.fire(Outcome("abort"))
     assert (machine.state, machine.is_terminal, machine.failure) == ("aborted", True, None)
 
 
 def test_lost_frames_are_forgiven_only_in_a_row() -> None:
-    machine = CalibrationMachine(Limits(frame_retries=1), state="exit/leaving")
+    machine = Machine(CALIBRATION, Limits(frame_retries=1), state="exit/leaving")
     for _ in range(3):
         machine.fire(Outcome("frame_missing"))
         machine.fire(Outcome("marker_seen", {"heading": 0.0}))
@@ -93,7 +94,7 @@ def test_lost_frames_are_forgiven_only_in_a_row() -> None:
 
 
 def test_briefing_tells_the_board_and_cannot_change_the_books() -> None:
-    machine = CalibrationMachine(Limits(boards=3, start_board=2), plan=["scan"])
+    machine = Machine(CALIBRATION, Limits(boards=3, start_board=2), plan=["scan"])
     machine.fire(Outcome("wheels_stopped"))
     assert machine.briefing["board"] == 2
     assert machine.briefing["state"] == "scan/starting"
@@ -103,7 +104,7 @@ def test_briefing_tells_the_board_and_cannot_change_the_books() -> None:
 
 
 def test_every_activity_is_described_for_the_actions() -> None:
-    used = {state.do for state in leaves().values() if state.do}
+    used = {state.do for state in CALIBRATION.leaves.values() if state.do}
     assert used == set(CONTRACT)
     assert all(activity.does.endswith(".") for activity in CONTRACT.values())
 
@@ -138,7 +139,7 @@ def test_every_phase_of_the_plan_is_entered_and_left_in_a_smooth_run() -> None:
         "ratio_updated": {"quiet": True}, "control_handed": {}, "lane_seen": {}, "first_marker_seen": {},
         "next_marker_reached": {}, "ratio_kept": {},
     }  # fmt: skip
-    machine, phases = CalibrationMachine(), []
+    machine, phases = Machine(CALIBRATION), []
     while not machine.is_terminal:
         if machine.books.phase not in phases[-1:]:
             phases.append(machine.books.phase)

@@ -7,19 +7,20 @@ from collections import Counter
 import pytest
 from machine_case import LIMITS, Case
 from machine_cases import CASES
-from machine_rig import Rig
 
 from fsm_calib.machines.books import Books
-from fsm_calib.machines.runtime import CalibrationMachine, declared, leaves
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.machines.supervisor import SUPERVISOR
 from fsm_calib.outcome import Outcome
+from fsm_calib.statechart.probe import Probe
+from fsm_calib.statechart.runtime import Machine
 
 DECLARED = Counter(edge.ident for edge in SUPERVISOR.all_transitions())
 
 
 @pytest.fixture(scope="module")
-def rig() -> Rig:
-    return Rig(LIMITS)
+def rig() -> Probe:
+    return Probe(CALIBRATION, LIMITS)
 
 
 def marked(case: Case):
@@ -28,9 +29,9 @@ def marked(case: Case):
 
 
 @pytest.mark.parametrize("case", [marked(case) for case in CASES])
-def test_transition_leads_where_it_should_and_keeps_the_books(rig: Rig, case: Case) -> None:
+def test_transition_leads_where_it_should_and_keeps_the_books(rig: Probe, case: Case) -> None:
     books = Books(**{**case.before, "plan": list(case.before.get("plan", ()))})
-    machine = CalibrationMachine(LIMITS, books=books, state=case.leaf)
+    machine = Machine(CALIBRATION, LIMITS, books=books, state=case.leaf)
     fired = machine.fire(Outcome(case.trigger, case.evidence))
     assert fired.transition == case.covers
     assert (fired.source, machine.state) == (case.leaf, case.reached)
@@ -39,7 +40,7 @@ def test_transition_leads_where_it_should_and_keeps_the_books(rig: Rig, case: Ca
 
 
 @pytest.mark.parametrize("case", [marked(case) for case in CASES])
-def test_guards_of_the_transition_are_asked_and_recorded(rig: Rig, case: Case) -> None:
+def test_guards_of_the_transition_are_asked_and_recorded(rig: Probe, case: Case) -> None:
     rig.put(case.leaf, case.before)
     assert rig.fire(case.trigger, case.evidence)
     names = [name for name in case.condition.split(" & ") if name]
@@ -56,5 +57,5 @@ def test_declared_transitions_and_tested_transitions_are_the_same() -> None:
 
 def test_every_leaf_is_tested_with_every_outcome_that_it_declares() -> None:
     tested = {(case.leaf, case.trigger) for case in CASES}
-    wanted = {(leaf, trigger) for leaf in leaves() for trigger in declared(leaf)}
+    wanted = {(leaf, trigger) for leaf in CALIBRATION.leaves for trigger in CALIBRATION.declared(leaf)}
     assert wanted - tested == set()

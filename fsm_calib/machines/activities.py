@@ -1,7 +1,7 @@
 """The contract between states and actions: what each do-activity does and which outcomes it may return.
 
 The room `actions` implements every activity named here under the same name. An activity gets nothing from the
-machine but the briefing (board, direction, iteration: `runtime.CalibrationMachine.briefing`), re-observes
+machine but the briefing (board, direction, iteration: `statechart.runtime.Machine.briefing`), re-observes
 before it acts (so that it may be done again after a crash) and returns one `Outcome` whose trigger is among
 `returns`. `evidence` names the keys that guards and bookkeeping read; an activity may add any other plain
 JSON value for the journal.
@@ -13,40 +13,11 @@ counter-clockwise sees a negative heading (it must turn clockwise).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from fsm_calib.statechart.activity import Activity, Returned, contract_of
 
 QUIET = "quiet: bool, |(k_i - 1) / 2| is below the threshold E"
 HEADING = "heading: rad, the nearest marker's heading in the base frame"
 TURNED = "turned: rad, how far the robot turned in this step, 0 or absent when unknown"
-
-
-@dataclass(frozen=True, slots=True)
-class Returned:
-    """One outcome of an activity: its trigger, what it means, and the evidence that guards need."""
-
-    trigger: str
-    meaning: str
-    evidence: tuple[str, ...] = ()
-
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """The evidence keys, without their explanations."""
-        return tuple(text.split(":")[0] for text in self.evidence)
-
-
-@dataclass(frozen=True, slots=True)
-class Activity:
-    """A do-activity: its name, what it must do, what it may return."""
-
-    name: str
-    does: str
-    returns: tuple[Returned, ...]
-
-    @property
-    def triggers(self) -> tuple[str, ...]:
-        """The outcomes it may return."""
-        return tuple(item.trigger for item in self.returns)
-
 
 CAMERA = (
     Returned("frame_missing", "The camera delivered no frame."),
@@ -235,5 +206,5 @@ ACTIVITIES = (
 )
 """Every activity that a state may name."""
 
-CONTRACT: dict[str, Activity] = {activity.name: activity for activity in ACTIVITIES}
+CONTRACT: dict[str, Activity] = contract_of(*ACTIVITIES)
 """The activities by name."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from fsm_calib.machines.books import Books
-from fsm_calib.machines.guards import Evidence
 from fsm_calib.machines.limits import Limits
+from fsm_calib.statechart.machinery import Evidence
 
 Action = Callable[[Books, Limits, Evidence], None]
 

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass
 
-from fsm_calib.errors import InputError
+from fsm_calib.statechart.books import Books as StatechartBooks
 
 
 @dataclass(slots=True)
-class Books:
-    """The mutable context of one machine; every field is JSON as it stands.
+class Books(StatechartBooks):
+    """The mutable context of the calibration's machines; plan, phase, ticks and failure are every machine's.
 
     Parameters
     ----------
-    plan : list of str
-        The phases still to come, in order.
-    phase : str
-        The phase that runs; empty before the first and after the last.
     board : int
         The board that is observed or searched, from 0, counter-clockwise; outside the row only as published.
     changes : int
@@ -37,14 +31,8 @@ class Books:
         Standpoints used, and those whose views gave a camera that was not precise enough.
     looks, iterations, quiet, leaving, following, markers, recoveries, lost_frames : int
         Events of their kind in this phase; `quiet` and `lost_frames` in a row.
-    ticks : int
-        Outcomes taken since the start of the run.
-    failure : dict of str to str
-        Why the run failed (name, reason, cure, state); empty while it has not.
     """
 
-    plan: list[str] = field(default_factory=list)
-    phase: str = ""
     board: int = 0
     changes: int = 0
     misses: int = 0
@@ -64,38 +52,3 @@ class Books:
     markers: int = 0
     recoveries: int = 0
     lost_frames: int = 0
-    ticks: int = 0
-    failure: dict[str, str] = field(default_factory=dict)
-
-    @classmethod
-    def for_plan(cls, plan: Iterable[str]) -> Books:
-        """Return empty books for a run through the phases of `plan`."""
-        return cls(plan=list(plan))
-
-    def clear(self) -> None:
-        """Begin a phase: forget the counts of the one before."""
-        fresh = Books(plan=self.plan, phase=self.phase, ticks=self.ticks)
-        for item in fields(self):
-            setattr(self, item.name, getattr(fresh, item.name))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the books as plain JSON values."""
-        values = {item.name: getattr(self, item.name) for item in fields(self)}
-        return values | {"plan": list(self.plan), "failure": dict(self.failure)}
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Books:
-        """Return the books that `to_dict` wrote.
-
-        Raises
-        ------
-        InputError
-            When a field is missing or unknown: the checkpoint is from another version.
-        """
-        known = {item.name for item in fields(cls)}
-        if set(data) != known:
-            wrong = ", ".join(sorted(set(data) ^ known))
-            raise InputError(
-                f"the books' fields differ: {wrong}", where="checkpoint", cure="Start the run anew."
-            )
-        return cls(**{**data, "plan": list(data["plan"]), "failure": dict(data["failure"])})

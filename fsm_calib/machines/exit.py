@@ -8,8 +8,8 @@ control. One missed detection does not end the drive: `misses_before_lost` misse
 from __future__ import annotations
 
 from fsm_calib.machines.losses import camera_losses, motion_losses
-from fsm_calib.machines.spec import Chart, State, always, choose, otherwise, when
 from fsm_calib.machines.squaring import SQUARING_STATES, squaring_transitions
+from fsm_calib.statechart.spec import Chart, State, always, choose, otherwise, when
 
 EXIT = Chart(
     name="exit",

@@ -7,7 +7,7 @@ by the activity that saw it.
 
 from __future__ import annotations
 
-from fsm_calib.machines.spec import State
+from fsm_calib.statechart.spec import State
 
 
 def _failure(name: str, about: str, reason: str, cure: str) -> State:

@@ -7,7 +7,7 @@ The lens is turned by hand, so the machine only watches: it ends when the pictur
 from __future__ import annotations
 
 from fsm_calib.machines.losses import camera_losses
-from fsm_calib.machines.spec import Chart, State, always, choose, otherwise, when
+from fsm_calib.statechart.spec import Chart, State, always, choose, otherwise, when
 
 FOCUS = Chart(
     name="focus",

@@ -7,13 +7,12 @@ else, so that they may be asked in any order, or not at all.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 from fsm_calib.machines.books import Books
 from fsm_calib.machines.limits import Limits
+from fsm_calib.statechart.machinery import Evidence
 
-Evidence = Mapping[str, Any]
 Guard = Callable[[Books, Limits, Evidence], bool]
 
 

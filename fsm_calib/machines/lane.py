@@ -8,8 +8,8 @@ only when the measurements agree with one another and differ significantly from 
 from __future__ import annotations
 
 from fsm_calib.machines.losses import camera_losses, motion_losses
-from fsm_calib.machines.spec import Chart, State, always, choose, otherwise, when
 from fsm_calib.machines.squaring import SQUARING_STATES, squaring_transitions
+from fsm_calib.statechart.spec import Chart, State, always, choose, otherwise, when
 
 LANE = Chart(
     name="lane",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from fsm_calib.machines.spec import Transition, always, choose, otherwise, when
+from fsm_calib.statechart.spec import Transition, always, choose, otherwise, when
 
 CAMERA_SILENT = "/failed/camera_silent"
 CAMERA_FROZEN = "/failed/camera_frozen"
 WHEEL_DEAD = "/failed/wheel_dead"
 WALL_HIT = "/failed/wall_hit"
+STREAKS = {"lost_frames": "count_lost_frame"}
+"""Lost frames count in a row: any other event begins anew."""
 
 
 def camera_losses(*sources: str) -> tuple[Transition, ...]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from fsm_calib.machines.spec import Chart
 from fsm_calib.machines.squaring import CHECKING, TURNING, squaring_transitions
+from fsm_calib.statechart.spec import Chart
 
 ORIENTATION = Chart(
     name="orientation",

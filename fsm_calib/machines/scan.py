@@ -24,7 +24,7 @@ camera is known already.
 from __future__ import annotations
 
 from fsm_calib.machines.losses import camera_losses, motion_losses
-from fsm_calib.machines.spec import Chart, State, Transition, always, choose, otherwise, when
+from fsm_calib.statechart.spec import Chart, State, Transition, always, choose, otherwise, when
 
 DIRECTIONS = ("clockwise", "counterclockwise")
 

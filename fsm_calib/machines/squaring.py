@@ -9,7 +9,7 @@ spent, an angle that is roughly good is good enough; otherwise the machine ends 
 from __future__ import annotations
 
 from fsm_calib.machines.losses import camera_losses, motion_losses
-from fsm_calib.machines.spec import Branch, State, Transition, choose, otherwise, when
+from fsm_calib.statechart.spec import Branch, State, Transition, choose, otherwise, when
 
 CHECKING = State("checking", "Measure the nearest marker at rest.", do="measure_marker")
 TURNING = State("turning", "Turn, one step and one frame at a time.", children=(

@@ -12,8 +12,8 @@ from fsm_calib.machines.focus import FOCUS
 from fsm_calib.machines.lane import LANE
 from fsm_calib.machines.orientation import ORIENTATION
 from fsm_calib.machines.scan import SCAN
-from fsm_calib.machines.spec import Chart, State, Transition, always
 from fsm_calib.machines.wheels import WHEELS
+from fsm_calib.statechart.spec import Chart, State, Transition, always
 
 MACHINES = (FOCUS, SCAN, ORIENTATION, WHEELS, EXIT, LANE)
 PHASES = tuple(machine.name for machine in MACHINES)

@@ -9,8 +9,8 @@ drive; a marker that is not there after the drive is looked for again after driv
 from __future__ import annotations
 
 from fsm_calib.machines.losses import camera_losses, motion_losses
-from fsm_calib.machines.spec import Chart, State, always, choose, otherwise, when
 from fsm_calib.machines.squaring import SQUARING_STATES, squaring_transitions
+from fsm_calib.statechart.spec import Chart, State, always, choose, otherwise, when
 
 WHEELS = Chart(
     name="wheels",

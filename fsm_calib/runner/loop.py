@@ -14,12 +14,12 @@ from typing import Any
 from fsm_calib.actions.bench import Bench
 from fsm_calib.errors import RobotLost
 from fsm_calib.journal import Journal
-from fsm_calib.machines.runtime import CalibrationMachine, Fired
 from fsm_calib.outcome import Outcome
 from fsm_calib.runner.gallery import Gallery
 from fsm_calib.runner.logged import LoggedRobot
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Observer
+from fsm_calib.statechart.runtime import Fired, Machine
 
 Activity = Callable[[Bench], Outcome]
 
@@ -30,7 +30,7 @@ class Run:
 
     Parameters
     ----------
-    machine : CalibrationMachine
+    machine : Machine
         Where the run stands.
     bench : Bench
         What the activities share.
@@ -56,7 +56,7 @@ class Run:
         Why a real robot could not be driven any further.
     """
 
-    machine: CalibrationMachine
+    machine: Machine
     bench: Bench
     robot: LoggedRobot
     journal: Journal
@@ -153,7 +153,7 @@ def event_record(run: Run, activity: str, outcome: Outcome, fired: Fired) -> dic
         "tick": run.machine.books.ticks,
         "time": run.robot.now(),
         "phase": run.machine.books.phase,
-        "board": run.machine.books.board,
+        "board": run.machine.briefing.get("board"),
         "path": fired.source,
         "activity": activity,
         "trigger": fired.trigger,

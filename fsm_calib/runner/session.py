@@ -12,9 +12,8 @@ from typing import Any
 from fsm_calib.actions import ACTIVITIES, ActionSettings, Bench
 from fsm_calib.errors import DataError
 from fsm_calib.journal import Journal, read_checkpoint
-from fsm_calib.machines.books import Books
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.machines.limits import Limits
-from fsm_calib.machines.runtime import CalibrationMachine
 from fsm_calib.robots.connection import Connection
 from fsm_calib.runner.connecting import connect, drive_again
 from fsm_calib.runner.gallery import Gallery
@@ -26,6 +25,7 @@ from fsm_calib.runner.progress import Observer
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.settings import actions_of, limits_of
 from fsm_calib.scenario.world import world_of
+from fsm_calib.statechart.runtime import Machine
 from fsm_calib.world2d.robot import World, WorldSpec
 from fsm_calib.world2d.truth import Truth
 
@@ -137,11 +137,12 @@ def _session(
     return Session(scenario, spec, connection, limits, settings, run)
 
 
-def _machine(scenario: Scenario, limits: Limits, state: dict[str, Any] | None) -> CalibrationMachine:
+def _machine(scenario: Scenario, limits: Limits, state: dict[str, Any] | None) -> Machine:
     """Return the machine at its beginning or where the checkpoint stands."""
     if state is None:
-        return CalibrationMachine(limits, scenario.plan)
-    return CalibrationMachine(limits, books=Books.from_dict(state["books"]), state=state["state"])
+        return Machine(CALIBRATION, limits, scenario.plan)
+    books = CALIBRATION.books.from_dict(state["books"])
+    return Machine(CALIBRATION, limits, books=books, state=state["state"])
 
 
 def _gallery(scenario: Scenario, directory: Path, state: dict[str, Any] | None) -> Gallery:

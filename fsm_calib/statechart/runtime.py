@@ -1,21 +1,40 @@
-"""The running machine: where the robot stands in its calibration, what to do now, and what an outcome leads
-to.
-"""
+"""The running machine: where it stands, what to do now, and what an outcome leads to."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
-from functools import cache
-from typing import Any
+from typing import Any, Protocol
 
 from fsm_calib.errors import FsmCalibError, UnknownNameError
-from fsm_calib.machines.books import Books
-from fsm_calib.machines.compile import Model, compile_chart
-from fsm_calib.machines.limits import Limits
-from fsm_calib.machines.spec import SEPARATOR, State, Transition
-from fsm_calib.machines.supervisor import PHASES, SUPERVISOR
-from fsm_calib.outcome import Outcome
+from fsm_calib.statechart.books import Books
+from fsm_calib.statechart.compile import Model, compile_chart
+from fsm_calib.statechart.machinery import Machinery, initial_leaf
+from fsm_calib.statechart.validate import check
+
+
+class Happened(Protocol):
+    """What a machine takes: the result of an activity."""
+
+    @property
+    def trigger(self) -> str:
+        """The fact, as the table declares it."""
+        ...
+
+    @property
+    def evidence(self) -> Mapping[str, Any]:
+        """What guards read and the journal keeps."""
+        ...
+
+    @property
+    def sentence(self) -> str:
+        """One sentence for a person; may be empty."""
+        ...
+
+    @property
+    def cure(self) -> str:
+        """What the operator can do about a failure; may be empty."""
+        ...
 
 
 class UndeclaredOutcomeError(FsmCalibError):
@@ -58,39 +77,47 @@ class Fired:
     transition: str = ""
 
 
-class CalibrationMachine:
-    """The supervisor with its machines, at one state, with its books.
+class Machine:
+    """A machine at one state, with its books.
 
     Parameters
     ----------
-    limits : Limits
-        Budgets and thresholds.
-    plan : iterable of str
-        The phases to run, a subset of `PHASES`; they run in the paper's order.
+    machinery : Machinery
+        The machine as it is declared.
+    limits : object or None
+        Budgets and thresholds, of the machinery's own type; its defaults when None.
+    plan : iterable of str or None
+        The phases to run, a subset of the machinery's, all when None; they run in the order of the root's states.
     books, state : Books, str
         To go on from a checkpoint: the books and the leaf's path; `plan` is then the books'.
 
     Raises
     ------
+    InputError
+        When the tables are not sound.
     UnknownNameError
         When a phase or the state is not known.
     """
 
     def __init__(
         self,
-        limits: Limits | None = None,
-        plan: Iterable[str] = PHASES,
+        machinery: Machinery,
+        limits: Any = None,
+        plan: Iterable[str] | None = None,
         *,
         books: Books | None = None,
         state: str | None = None,
     ) -> None:
-        self.limits = limits or Limits()
-        self.books = Books.for_plan(_in_order(plan)) if books is None else books
-        start = SUPERVISOR.states[0].name if state is None else state
-        if start not in leaves():
-            raise UnknownNameError("state", start, leaves())
-        self._machine = compile_chart(SUPERVISOR)
-        self._model = Model(self.books, self.limits)
+        check(machinery)
+        self.machinery = machinery
+        self.limits = machinery.limits() if limits is None else limits
+        planned = _in_order(machinery.phases, machinery.phases if plan is None else plan)
+        self.books = machinery.books.for_plan(planned) if books is None else books
+        start = _initial(machinery) if state is None else state
+        if start not in machinery.leaves:
+            raise UnknownNameError("state", start, machinery.leaves)
+        self._machine = compile_chart(machinery.root)
+        self._model = Model(machinery, self.books, self.limits)
         self._machine.add_model(self._model, initial=start)
 
     @property
@@ -101,7 +128,7 @@ class CalibrationMachine:
     @property
     def activity(self) -> str | None:
         """The name of the do-activity of the active leaf; None when the run has ended."""
-        return leaves()[self.state].do or None
+        return self.machinery.leaves[self.state].do or None
 
     @property
     def is_terminal(self) -> bool:
@@ -116,16 +143,15 @@ class CalibrationMachine:
     @property
     def triggers(self) -> tuple[str, ...]:
         """The outcomes that the active leaf declares, those of the states around it included."""
-        return declared(self.state)
+        return self.machinery.declared(self.state)
 
     @property
     def briefing(self) -> dict[str, Any]:
-        """What an activity may know of the machine: the state's path, the number of boards, the phase and the
-        counts in the books.
-        """
-        return {"state": self.state, "boards": self.limits.boards, **self.books.to_dict()}
+        """What an activity may know of the machine: the state's path, the limits that are told, and the books."""
+        told = {name: getattr(self.limits, name) for name in self.machinery.briefed}
+        return {"state": self.state, **told, **self.books.to_dict()}
 
-    def fire(self, outcome: Outcome) -> Fired:
+    def fire(self, outcome: Happened) -> Fired:
         """Take `outcome` and move on.
 
         Raises
@@ -138,43 +164,28 @@ class CalibrationMachine:
             raise UndeclaredOutcomeError(source, outcome.trigger, self.triggers)
         if not model.dispatch(outcome.trigger, outcome.evidence):
             raise UndeclaredOutcomeError(source, outcome.trigger, self.triggers)
-        if leaves()[self.state].reason:
+        if self.machinery.leaves[self.state].reason:
             self.books.failure = asdict(self._failure(source, outcome))
         return Fired(
             outcome.trigger, source, self.state, dict(model.answers), tuple(model.kept), model.taken[0]
         )
 
-    def _failure(self, source: str, outcome: Outcome) -> Failure:
+    def _failure(self, source: str, outcome: Happened) -> Failure:
         """Return why the run failed: when a budget ended it, the table's reason, else the activity's."""
-        leaf, numbers = leaves()[self.state], asdict(self.limits) | self.books.to_dict()
+        leaf, numbers = self.machinery.leaves[self.state], asdict(self.limits) | self.books.to_dict()
         reason = leaf.reason.format(**numbers)
         if self._model.answers:
             return Failure(leaf.name, reason, leaf.cure, source)
         return Failure(leaf.name, outcome.sentence or reason, outcome.cure or leaf.cure, source)
 
 
-def _in_order(plan: Iterable[str]) -> list[str]:
+def _in_order(phases: tuple[str, ...], plan: Iterable[str]) -> list[str]:
     wanted = set(plan)
-    for name in sorted(wanted - set(PHASES)):
-        raise UnknownNameError("phase", name, PHASES)
-    return [phase for phase in PHASES if phase in wanted]
+    for name in sorted(wanted - set(phases)):
+        raise UnknownNameError("phase", name, phases)
+    return [phase for phase in phases if phase in wanted]
 
 
-@cache
-def leaves() -> dict[str, State]:
-    """Return every leaf of the whole machine by its path."""
-    return {path: state for path, state in SUPERVISOR.walk() if not state.inside}
-
-
-@cache
-def _transitions() -> tuple[Transition, ...]:
-    """Return every transition of the whole machine."""
-    return tuple(SUPERVISOR.all_transitions())
-
-
-@cache
-def declared(state: str) -> tuple[str, ...]:
-    """Return the outcomes declared for the leaf `state`, those of the states around it included, sorted."""
-    parts = state.split(SEPARATOR)
-    around = {SEPARATOR.join(parts[:n]) for n in range(1, len(parts) + 1)}
-    return tuple(sorted({edge.trigger for edge in _transitions() if edge.source in around}))
+def _initial(machinery: Machinery) -> str:
+    """Return the leaf in which a run begins."""
+    return initial_leaf(machinery.states, machinery.root.states[0].name)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from fsm_calib.machines.spec import SEPARATOR, Chart, State, Transition
+from fsm_calib.statechart.spec import SEPARATOR, Chart, State, Transition
 
 FAILED, ABORTED = "failed", "aborted"
 EVERY = "every"

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from fsm_calib.machines.mermaid import STAY, all_boxes, around, ident
-from fsm_calib.machines.picture import Arrow, Box, Label, Picture
+from fsm_calib.statechart.mermaid import STAY, all_boxes, around, ident
+from fsm_calib.statechart.picture import Arrow, Box, Label, Picture
 
 FILLS = {
     "leaf": "#e3f2fd",

@@ -2,7 +2,7 @@
 
 `--check` compares the texts. A picture carries the digest of the DOT text it was drawn from, so that a stale
 picture is found without drawing it again. Pictures are drawn by Graphviz (`dot`) where it is installed;
-elsewhere the project's own pictures are taken as long as they are current.
+elsewhere the pictures of `Machinery.drawn` are taken as long as they are current.
 """
 
 from __future__ import annotations
@@ -12,53 +12,50 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from fsm_calib.machines.document import machines_markdown
-from fsm_calib.machines.dot import dot_text
-from fsm_calib.machines.mermaid import mermaid_text
-from fsm_calib.machines.picture import Picture, picture
-from fsm_calib.machines.supervisor import MACHINES, PHASES, SUPERVISOR
+from fsm_calib.statechart.documents import machines_markdown
+from fsm_calib.statechart.dot import dot_text
+from fsm_calib.statechart.machinery import Machinery
+from fsm_calib.statechart.mermaid import mermaid_text
+from fsm_calib.statechart.picture import Picture, picture
 
 DIGEST = "<!-- drawn from the DOT text with sha256 {} -->"
 
 
-SHIPPED = Path(__file__).parents[1] / "_shipped" / "diagrams"
-COMMITTED = SHIPPED if SHIPPED.is_dir() else Path(__file__).parents[2] / "diagrams"
-"""The project's own diagrams: in an installed wheel, or at the top of the source tree."""
-SHARED = "squaring"
-"""The part that several machines share: in pictures it is open once, as `orientation`."""
+def pictures(machinery: Machinery, *, closed: tuple[str, ...] = ()) -> dict[str, Picture]:
+    """Return what is drawn, by file stem: the root (its machines closed), each machine, and the whole."""
+    root, phases = machinery.root, machinery.phases
+    if not phases:
+        return {root.name: picture(root)}
+    drawn = {chart.name: picture(chart, closed=closed) for chart in machinery.machines}
+    return {root.name: picture(root, closed=phases), **drawn, "whole": picture(root)}
 
 
-def pictures(*, closed: tuple[str, ...] = ()) -> dict[str, Picture]:
-    """Return what is drawn, by file stem: the supervisor (machines closed), each machine, the whole."""
-    drawn = {chart.name: picture(chart, closed=closed) for chart in MACHINES}
-    return {"supervisor": picture(SUPERVISOR, closed=PHASES), **drawn, "whole": picture(SUPERVISOR)}
-
-
-def diagram_texts() -> dict[str, str]:
+def diagram_texts(machinery: Machinery) -> dict[str, str]:
     """Return the text files of `diagrams/` by name."""
-    texts = {f"{stem}.mmd": mermaid_text(drawn) for stem, drawn in pictures().items()}
-    texts["README.md"] = machines_markdown()
-    return texts | {f"{stem}.dot": dot_text(drawn) for stem, drawn in pictures(closed=(SHARED,)).items()}
+    texts = {f"{stem}.mmd": mermaid_text(drawn) for stem, drawn in pictures(machinery).items()}
+    texts["README.md"] = machines_markdown(machinery)
+    shut = pictures(machinery, closed=machinery.shared)
+    return texts | {f"{stem}.dot": dot_text(drawn) for stem, drawn in shut.items()}
 
 
-def write_diagrams(directory: Path | str) -> list[Path]:
+def write_diagrams(machinery: Machinery, directory: Path | str) -> list[Path]:
     """Write all diagrams into `directory` and return the paths written."""
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
     written = []
-    for name, text in diagram_texts().items():
+    for name, text in diagram_texts(machinery).items():
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
         written.append(folder / name)
-        if name.endswith(".dot") and (svg := draw_svg(text) or _committed_svg(name, text)):
+        if name.endswith(".dot") and (svg := draw_svg(text) or _known_svg(machinery.drawn, name, text)):
             written.append((folder / name).with_suffix(".svg"))
             written[-1].write_text(svg, encoding="utf-8", newline="\n")
     return written
 
 
-def stale_diagrams(directory: Path | str) -> list[Path]:
+def stale_diagrams(machinery: Machinery, directory: Path | str) -> list[Path]:
     """Return the files in `directory` that are missing or differ from what the tables say."""
     folder, stale = Path(directory), []
-    for name, text in diagram_texts().items():
+    for name, text in diagram_texts(machinery).items():
         path = folder / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             stale.append(path)
@@ -81,10 +78,10 @@ def draw_svg(text: str) -> str | None:
     return done.stdout.rstrip() + "\n" + _digest(text) + "\n"
 
 
-def _committed_svg(name: str, text: str) -> str | None:
-    """Return the project's own picture of the DOT text, or None where it is not at hand or stale."""
-    path = (COMMITTED / name).with_suffix(".svg")
-    svg = path.read_text(encoding="utf-8") if path.is_file() else ""
+def _known_svg(drawn: Path | None, name: str, text: str) -> str | None:
+    """Return the picture of the DOT text that is already drawn, or None where there is none or it is stale."""
+    path = None if drawn is None else (drawn / name).with_suffix(".svg")
+    svg = path.read_text(encoding="utf-8") if path and path.is_file() else ""
     return svg if _digest(text) in svg else None
 
 

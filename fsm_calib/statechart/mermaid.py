@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fsm_calib.machines.picture import Box, Picture
-from fsm_calib.machines.spec import SEPARATOR
+from fsm_calib.statechart.picture import Box, Picture
+from fsm_calib.statechart.spec import SEPARATOR
 
 STYLES = (
     "classDef active fill:#ffd54f,stroke:#e65100,stroke-width:3px,color:#000000",

@@ -16,13 +16,9 @@ from typing import Any, cast
 from transitions import EventData, MachineError
 from transitions.extensions.nesting import HierarchicalMachine, NestedState, NestedTransition
 
-from fsm_calib.machines.bookkeeping import ACTIONS
-from fsm_calib.machines.books import Books
-from fsm_calib.machines.guards import GUARDS, Evidence
-from fsm_calib.machines.limits import Limits
-from fsm_calib.machines.spec import SEPARATOR, Chart, State, Transition
-
-LOST_FRAME = "count_lost_frame"
+from fsm_calib.statechart.books import Books
+from fsm_calib.statechart.machinery import Evidence, Machinery
+from fsm_calib.statechart.spec import SEPARATOR, Chart, State, Transition
 
 
 class SlashState(NestedState):  # type: ignore[misc]
@@ -78,8 +74,8 @@ class Model:
     state: str
     trigger: Callable[..., bool]  # bound by the library
 
-    def __init__(self, books: Books, limits: Limits) -> None:
-        self.books, self.limits = books, limits
+    def __init__(self, machinery: Machinery, books: Books, limits: Any) -> None:
+        self.machinery, self.books, self.limits = machinery, books, limits
         self.answers: dict[str, bool] = {}
         self.kept: list[str] = []
         self.taken: list[str] = []
@@ -98,10 +94,11 @@ class Model:
         return bool(self.taken)
 
     def _count(self) -> None:
-        """Count the event; any event but a lost frame ends a row of lost frames."""
+        """Count the event; it ends every streak that it does not go on with."""
         self.books.ticks += 1
-        if LOST_FRAME not in self.kept:
-            self.books.lost_frames = 0
+        for book, action in self.machinery.streaks.items():
+            if action not in self.kept:
+                setattr(self.books, book, 0)
 
 
 def _state(state: State) -> dict[str, Any]:
@@ -130,7 +127,7 @@ def _asking(name: str) -> Callable[[EventData], bool]:
 def _ask(name: str, event: EventData) -> bool:
     """Ask the guard `name` and note its answer for the journal."""
     model = cast(Model, event.model)
-    answer = GUARDS[name](model.books, model.limits, event.kwargs["evidence"])
+    answer = model.machinery.guards[name](model.books, model.limits, event.kwargs["evidence"])
     model.answers[name] = answer
     return answer
 
@@ -142,5 +139,5 @@ def _keeping(name: str) -> Callable[[EventData], None]:
 def _keep(name: str, event: EventData) -> None:
     """Do the bookkeeping `name`."""
     model = cast(Model, event.model)
-    ACTIONS[name](model.books, model.limits, event.kwargs["evidence"])
+    model.machinery.actions[name](model.books, model.limits, event.kwargs["evidence"])
     model.kept.append(name)
