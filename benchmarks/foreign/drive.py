@@ -13,14 +13,14 @@ from foreign.planar import BODY_STATES, HOOKS, MU_L, PHL, PHR, SLACK_R, STEP, TH
 from foreign.setup import Array, Setup
 
 TICK = 20  # steps between two calls of hooks: 10 ms
-EVERY = 4  # steps between two rows of the true track: 2 ms
+EVERY = 20  # steps between two rows of the true track: 10 ms
 
 
 class Engine(Protocol):
     """A simulator that has been given a setup and a start pose."""
 
     def forward(self, duty: Array) -> Array:
-        """Drive by duties (k, 2) on a grid of 0.5 ms; return rows every 2 ms: x, y, theta, vx, vy, omega, phl, phr."""
+        """Drive by duties (k, 2) on a grid of 0.5 ms; return rows every 10 ms: x, y, theta, vx, vy, omega, phl, phr."""
         ...
 
 
@@ -106,7 +106,7 @@ class Drive:
 
 
 def on_grid(setup: Setup, times: Array, duties: Array, steps: int, seed: int) -> Array:
-    """Return duties (steps, 2) at the motors: link laws, hold, driver laws, 1 % of slow noise."""
+    """Return duties (steps, 2) at the motors: link laws, hold, driver laws, 0.4 % of slow noise."""
     for rule in setup.rows:
         times, duties = rule(times, duties)
     grid = np.arange(steps) * STEP
@@ -116,7 +116,7 @@ def on_grid(setup: Setup, times: Array, duties: Array, steps: int, seed: int) ->
         duty = act(grid, duty)
     draws = np.random.default_rng(seed).normal(size=(1600, 2))
     noise = np.column_stack([np.interp(grid, np.arange(1600) * 0.1, draws[:, i]) for i in range(2)])
-    return np.clip(duty * (1.0 + 0.01 * noise), -1.0, 1.0)
+    return np.clip(duty * (1.0 + 0.004 * noise), -1.0, 1.0)
 
 
 def steps_of(seconds: float) -> int:

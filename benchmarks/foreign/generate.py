@@ -108,7 +108,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--robots", type=int, default=60)
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--engine", default="planar", choices=["planar", "mujoco", "pybullet", "mixed"])
+    parser.add_argument("--engine", default="mixed", choices=["planar", "mujoco", "pybullet", "mixed"])
     parser.add_argument("--jobs", type=int, default=1)
     args = parser.parse_args()
     (args.out / ".keys").mkdir(parents=True, exist_ok=True)

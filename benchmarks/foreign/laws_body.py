@@ -46,28 +46,20 @@ def tape(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"wheels": which, "bump_m": eccentric(setup, which, 3, 0.10 * s, rng)}
 
 
-@law("caster_drag", "trailing", FLAT, most=8)
+@law("caster_drag", "trailing", ("planar", "mujoco"), most=8)
 def trailing(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """A trailing wheel with rolling resistance and dry swivel friction; it kicks when the direction changes."""
     arm = abs(setup.body["caster_x"])
     swivel = 0.06 * s * arm
-    setup.body.update(caster_rolling=0.05 * s, caster_swivel=swivel, caster_trail=0.22 * arm)
-    heavier_caster(setup)
+    setup.body.update(caster_rolling=0.05 * s, caster_swivel=swivel)
+    setup.pieces.update(swivel_caster=1.0, caster_rub=0.05 * s)
     return {"rolling_share": 0.05 * s, "swivel_m": swivel, "trail_m": 0.22 * arm}
-
-
-def heavier_caster(setup: Setup) -> None:
-    """A caster that drags carries some of the load: a sixth of the weight at least."""
-    least = setup.body["caster_x"] / 6
-    if abs(setup.body["com_x"]) < abs(least):
-        setup.body["com_x"] = least
 
 
 @law("caster_drag", "ball", ALL, most=6)
 def ball(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """A ball caster slides: Coulomb friction against its velocity."""
     setup.body.update(caster_ball=0.10 * s)
-    heavier_caster(setup)
     setup.pieces["caster_friction"] = 0.10 * s
     return {"rolling_share": 0.10 * s}
 
@@ -161,23 +153,23 @@ def idle_wheels(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"arm_m": arm, "friction_share": share}
 
 
-@law("lateral_slip", "soft_tyre", FLAT, most=3)
+@law("lateral_slip", "soft_tyre", FLAT, most=15)
 def soft_tyre(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """Low cornering stiffness: the robot runs at a slip angle in bends."""
-    k = 0.07 / s**2
+    k = 1.0 / (1.0 + s)
     setup.body["lateral"] = k
     return {"lateral_stiffness": k * setup.body["stiffness"]}
 
 
-@law("lateral_slip", "rollers", FLAT, most=3)
+@law("lateral_slip", "rollers", FLAT, most=15)
 def rollers(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """Rims of rollers or a glossy floor: little sideways grip, Coulomb-like."""
-    k = 0.05 / s**2
-    setup.body.update(lateral_grip=k, lateral=0.5)
+    k = 1.0 / (1.0 + 2.0 * s)
+    setup.body.update(lateral_grip=k)
     return {"lateral_grip": k * setup.body["friction"]}
 
 
-@law("lateral_slip", "creep", ALL, most=6)
+@law("lateral_slip", "creep", ALL, most=9)
 def creep(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """A suspended axle steers by roll: the robot crabs outward, in proportion to lateral acceleration and speed.
 

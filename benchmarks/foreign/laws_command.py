@@ -43,9 +43,7 @@ def offset_loss(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     shape(
         setup,
         which,
-        lambda a, _: (
-            soft * np.log1p(np.exp(np.clip((a - d) / soft, -50, 50))) - soft * np.log1p(np.exp(-d / soft))
-        ),
+        lambda a, _: soft * (np.logaddexp(0.0, (a - d) / soft) - np.logaddexp(0.0, -d / soft)),
     )
     return {"wheels": which, "duty_lost": d}
 

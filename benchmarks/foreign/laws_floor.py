@@ -184,26 +184,26 @@ def grip(setup: Setup, act_left) -> None:
     setup.hooks.append(act)
 
 
-@law("low_friction_patch", "slippery", most=3)
+@law("low_friction_patch", "slippery", most=3.5)
 def slippery(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """Wet or polished: the coefficient of friction is a fraction."""
-    k = 0.07 / s**1.5
+    k = max(0.6 * float(np.exp(-s)), 0.015)
     grip(setup, lambda depth, _: 1.0 - (1.0 - k) * depth)
     return {"friction_factor": k, "friction": k * setup.body["friction"]}
 
 
-@law("low_friction_patch", "film", most=3)
+@law("low_friction_patch", "film", most=3.5)
 def film(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """An oil film: friction falls with speed as the film builds up (Stribeck's mixed regime)."""
-    k, v0 = 0.05 / s**1.5, 0.25 * setup.speed
+    k, v0 = max(0.6 * float(np.exp(-s)), 0.015), 0.25 * setup.speed
     grip(setup, lambda depth, v: 1.0 - (1.0 - k - 0.10 * np.exp(-v / v0)) * depth)
     return {"friction_factor": k + 0.05, "friction": (k + 0.05) * setup.body["friction"]}
 
 
-@law("low_friction_patch", "dust", FLAT, most=3)
+@law("low_friction_patch", "dust", FLAT, most=3.5)
 def dust(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """Loose dust: it shears far before it holds, and holds less."""
-    k = 0.10 / s**1.5
+    k = max(0.6 * float(np.exp(-s)), 0.015)
 
     def act(_: float, state: Array, hook: Array) -> None:
         left, right, _c = at_wheels(setup, state)

@@ -77,7 +77,7 @@ def mast(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
         track.mount = track.mount + shift
         st, dt = track.states, float(track.grid[1] - track.grid[0])
         along = st[:, 3] * np.cos(st[:, 2]) + st[:, 4] * np.sin(st[:, 2])
-        smooth = np.convolve(along, np.ones(40) / 40, "same")
+        smooth = np.convolve(along, np.ones(8) / 8, "same")
         lean = -0.1 * far * np.clip(np.gradient(smooth, dt), -2, 2)
         st[:, 0] += lean * np.cos(st[:, 2])
         st[:, 1] += lean * np.sin(st[:, 2])

@@ -139,3 +139,22 @@ def wheel_torque(
     s[ROTOR_RATE] += dt * (torque - mesh) / p.rotor
     s[ROTOR_ANGLE] += dt * s[ROTOR_RATE]
     return mesh
+
+
+@njit(cache=True)
+def drive_step(
+    dt: float, parts: int, duty, angle, rate, volts, ml, mr, left: Motor, right: Motor, supply: Supply, out
+) -> None:
+    """Write the mean torques on both wheels over `parts` steps of `dt`, the rates held: for engines with longer steps."""
+    out[0] = 0.0
+    out[1] = 0.0
+    for k in range(parts):
+        supply_step(dt, ml[CURRENT] + mr[CURRENT], volts, supply)
+        row = min(k, len(duty) - 1)
+        for side in range(2):
+            memory = ml if side == 0 else mr
+            motor = left if side == 0 else right
+            at = angle[side] + rate[side] * k * dt
+            out[side] += (
+                wheel_torque(dt, duty[row, side], at, rate[side], volts[VOLTS], memory, motor) / parts
+            )

@@ -62,7 +62,7 @@ def draw_robot(rng: np.random.Generator, name: str, engine: str, label_names: tu
         "friction": float(rng.uniform(0.6, 0.95)),
         "stiffness": float(rng.uniform(4.0, 9.0)),
         "tyre": int(rng.integers(3)),
-        "caster_trail": 0.15 * axle,
+        "caster_trail": 0.22 * 0.7 * axle,
         "rolling": 0.008,
         "caster_rolling": 0.01,
         "caster_swivel": 0.0,
@@ -186,14 +186,21 @@ def draw_departures(
 
 
 def build(
-    robot: Robot, place: Place | None, window: tuple[float, float] | None, salt: int, small: float = 1.0
+    robot: Robot,
+    place: Place | None,
+    window: tuple[float, float] | None,
+    salt: int,
+    small: float,
+    engine: str,
 ) -> Setup:
     """Return a fresh setup of a robot with its departures, each `small` times its drawn size, and no labelled effect."""
     p = robot.parts
     setup = Setup(
         dict(p["left"]), dict(p["right"]), dict(p["supply"]), dict(p["body"]), p["size"], p["speed"], place, window,
-        p["reach"], robot.engine, salt,
+        p["reach"], engine, salt,
     )  # fmt: skip
+    if robot.seed % 2:
+        setup.pieces["swivel_caster"] = 1.0  # in MuJoCo
     if small > 0:
         for name, size in robot.departures:
             DEPARTURES[name][0](setup, size, small)

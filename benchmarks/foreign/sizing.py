@@ -2,7 +2,8 @@
 
 Both drives have the same commands. The differences of their 2 s displacements (in the frame of each window's start) are
 regressed on what the two wheel gains, the axle length and the two time constants of the base can move (first order), and
-what is left is set against the noise of a pose. `ratio` = sqrt(1 + mean square of it): 1 = nothing to be seen. Effects of
+what is left is set against the noise of a pose (sideways also against what two fifths of a heading's noise
+turn the way). `ratio` = sqrt(1 + mean square of it): 1 = nothing to be seen. Effects of
 a place or a time are judged over the windows that they touch.
 """
 
@@ -67,8 +68,11 @@ def ratio(
     for with_setup, with_drive, base_setup, base_drive in drives:
         times, one = clean_poses(with_setup, with_drive, RATE, 0.0)
         _, two = clean_poses(base_setup, base_drive, RATE, 0.0)
-        gaps.append((displacements(one, span, stride) - displacements(two, span, stride)) / noise)
-        moves.append(levers(robot, base_drive, times, span, stride) / noise[:, None])
+        still = displacements(two, span, stride)
+        sigma = np.tile(noise, (len(still), 1))
+        sigma[:, 1] = np.hypot(noise[1], 0.4 * robot.sensing["turn_noise"] * np.abs(still[:, 0]))
+        gaps.append((displacements(one, span, stride) - still) / sigma)
+        moves.append(levers(robot, base_drive, times, span, stride) / sigma[:, :, None])
     gap, move = np.concatenate(gaps), np.concatenate(moves)
     if refit:
         flat = move.reshape(-1, move.shape[-1])
@@ -82,5 +86,7 @@ def ratio(
         gap = left.reshape(gap.shape)
     size = np.abs(gap).max(axis=1)
     touched = size > 0.15 * size.max() if local else np.ones(len(size), dtype=bool)
+    if not size.max() > 0:
+        return 1.0
     power = gap[touched] ** 2
     return float(np.sqrt(1.0 + max(power[:, :2].mean(), power[:, 2].mean())))
