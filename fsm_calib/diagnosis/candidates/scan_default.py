@@ -1,7 +1,7 @@
 """Where or when could it be, for an effect that has no scan of its own? Tried by simulation, its strengths scaled.
 
-Each candidate is simulated with the effect's declared start values; the change that this makes in the increments is one
-column beside the base robot's, and what it promises is told with its size left free within a factor of four (a secant:
+Each candidate is simulated with the effect's declared start values; the change that this makes in the increments is
+judged by the likelihood that it wins as it is, and scaled by what the data ask for within a factor of four (a secant:
 exact for what is linear in its strength). Slower than the scans that know what an effect acts on (`scan.py`), and for
 any effect of a place, a moment or a span.
 """
@@ -21,7 +21,7 @@ from fsm_calib.diagnosis.candidates.scan_tried import responses
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.simulator import Simulator
-from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part
+from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part, winnings
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 
@@ -62,15 +62,14 @@ class Trial:
         return np.concatenate(found)
 
     def of_columns(self, columns: Sequence[FloatArray]) -> FloatArray:
-        """Return what simulated changes (n, 5, m) of each recording promise, (m,), with their size left free."""
+        """Return what simulated changes (n, 5, m) of each recording promise, (m,): as they are, or scaled."""
         white = self.residual.engine.white_columns(self.residual.whiteners, columns)
         x = free_part(self.residual, white)
-        score, power = x.T @ self.residual.psi, np.maximum(np.sum(x * x, axis=0), LEAST_POWER)
-        size = score / power
+        size = x.T @ self.residual.psi / np.maximum(np.sum(x * x, axis=0), LEAST_POWER)
         scale = np.clip(np.abs(size), 1.0 / LARGEST_RESCALE, LARGEST_RESCALE) * np.sign(size)
-        gain = scale * score - 0.5 * scale * scale * power
-        allowed = (size > 0.0) | self._two_sided()
-        return np.where(allowed, np.maximum(gain, 0.0), 0.0)
+        scale = np.where((size > 0.0) | self._two_sided(), scale, 0.0)
+        scaled = winnings(self.residual, white * scale)
+        return np.maximum(np.maximum(winnings(self.residual, white), scaled), 0.0)
 
     def _two_sided(self) -> bool:
         return any(p.strength and p.low < p.null for p in self.effect.parameters)
