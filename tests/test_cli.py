@@ -146,6 +146,54 @@ def test_run_prints_a_summary_and_writes_its_files(quick: Path, tmp_path: Path) 
     assert "https://" not in page
 
 
+def files_of(directory: Path) -> dict[str, bytes]:
+    return {
+        str(path.relative_to(directory)): path.read_bytes() for path in directory.rglob("*") if path.is_file()
+    }
+
+
+def test_the_directory_of_an_earlier_run_is_refused_and_keeps_every_byte(quick: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    (out / "frames").mkdir(parents=True)
+    (out / "journal.jsonl").write_text("{}\n")
+    before = files_of(out)
+    result = call("run", quick, "--out", out)
+    assert result.exit_code == 2
+    assert f"{out}: holds an earlier run (journal.jsonl, frames)" in result.stderr
+    assert all(option in result.stderr for option in ("another directory", f"--resume {out}", "--overwrite"))
+    assert files_of(out) == before
+
+
+def test_overwrite_replaces_an_earlier_run_and_leaves_other_files(quick: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    (out / "frames").mkdir(parents=True)
+    (out / "frames" / "old.jpg").write_text("old")
+    (out / "notes.txt").write_text("mine")
+    assert call("run", quick, "--out", out, "--overwrite").exit_code == 0
+    assert json.loads((out / "result.json").read_text())["outcome"] == "done"
+    assert not (out / "frames" / "old.jpg").exists()
+    assert (out / "notes.txt").read_text() == "mine"
+
+
+def test_without_a_directory_the_next_free_name_is_taken(
+    quick: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "result.json").write_text("{}")
+    (tmp_path / "out-2").write_text("a file of that name")
+    result = call("run", quick)
+    assert result.exit_code == 0
+    assert "files        out-3/" in result.stdout
+    assert (tmp_path / "out" / "result.json").read_text() == "{}"
+
+
+def test_resume_and_overwrite_contradict_each_other(quick: Path, tmp_path: Path) -> None:
+    result = call("run", quick, "--resume", tmp_path, "--overwrite")
+    assert result.exit_code == 2
+    assert "--resume keeps what --overwrite removes" in result.stderr
+
+
 def test_a_failed_robot_exits_with_1_reason_and_cure(quick: Path, tmp_path: Path) -> None:
     quick.write_text(QUICK + "faults: [{kind: dropped_frames}]\n")
     result = call("run", quick, "--out", tmp_path / "out")

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
-from fsm_calib.errors import DataError
+from fsm_calib.errors import DataError, InputError
 from fsm_calib.journal import Journal, read_checkpoint, read_journal
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.outcome import Outcome
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Silent
@@ -225,3 +228,27 @@ def test_sigkill_loses_nothing(short_run, tmp_path: Path) -> None:
     assert not (tmp_path / "run" / "result.json").exists()
     run_scenario(scenario(), tmp_path / "run", resume=True)
     assert without_times(tmp_path / "run") == without_times(short_run[0])
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"dest": "wheels/foward"}, "no state wheels/foward. Did you mean wheels/forward"),
+        ({"guards": ("is_plan_don",)}, "no guard is_plan_don. Did you mean is_plan_done"),
+    ],
+)
+def test_a_slip_in_a_table_is_said_before_anything_moves(
+    tmp_path: Path, changes: dict, sentence: str
+) -> None:
+    root = CALIBRATION.root
+    broken = replace(root, transitions=(*root.transitions[:-1], replace(root.transitions[-1], **changes)))
+    with pytest.raises(InputError, match=re.escape(sentence)) as caught:
+        run_scenario(scenario(), tmp_path / "run", machinery=replace(CALIBRATION, root=broken))
+    assert caught.value.exit_code == 2
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_run_of_another_machine_is_not_resumed(short_run, tmp_path: Path) -> None:
+    root = replace(CALIBRATION.root, name="other")
+    with pytest.raises(DataError, match="another machine"):
+        run_scenario(scenario(), short_run[0], resume=True, machinery=replace(CALIBRATION, root=root))

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fsm_calib.commands.options import EffectsOption
+from fsm_calib.commands.run_place import run_directory
 from fsm_calib.commands.watch import watched
 from fsm_calib.errors import InputError
 
 if TYPE_CHECKING:
     from fsm_calib.scenario.models import Scenario
-
-DEFAULT_OUT = Path("out")
-"""Where a run leaves its files when nothing else is said."""
 
 
 def register(app: typer.Typer) -> None:
@@ -28,7 +26,8 @@ def run(
         Path, typer.Argument(help="A scenario file, or the name of one that is shipped.", show_default=False)
     ],
     out: Annotated[
-        Path | None, typer.Option(help="Where files go (default: out).", show_default=False)
+        Path | None,
+        typer.Option(help="Where files go (default: the next free of out, out-2, ...).", show_default=False),
     ] = None,
     seed: Annotated[
         int | None, typer.Option(help="Another seed than the scenario's.", show_default=False)
@@ -36,20 +35,22 @@ def run(
     resume: Annotated[
         Path | None, typer.Option(help="Go on with the run in this directory.", show_default=False)
     ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")
+    ] = False,
     effects: EffectsOption = None,
     watch: Annotated[bool, typer.Option("--watch", help="Serve a page that shows the run.")] = False,
 ) -> None:
     """Calibrate a robot as a scenario says: camera, wheels, exit, lane."""
+    from fsm_calib.machines.calibration import CALIBRATION
     from fsm_calib.runner.progress import ProgressBar
     from fsm_calib.runner.run import run_scenario
+    from fsm_calib.statechart.validate import check
     from fsm_calib.watch.area import write_area
 
-    if resume is not None and out is not None and out != resume:
-        raise InputError(
-            "--out and --resume name two directories", where="--out", cure="Give --resume alone."
-        )
     loaded = with_seed(read_scenario(scenario), seed)
-    directory = resume or out or DEFAULT_OUT
+    check(CALIBRATION)
+    directory = run_directory(out, resume, overwrite=overwrite)
     if resume is None:
         write_area(directory, loaded)
     with watched(directory, watch):

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME, PREVIOUS_NAME
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.opencv_time import watched
 from fsm_calib.runner import files
@@ -22,6 +23,8 @@ from fsm_calib.runner.recording import write_drive
 from fsm_calib.runner.result import result_of
 from fsm_calib.runner.session import Session, new_session, resumed_session
 from fsm_calib.scenario.models import Scenario
+from fsm_calib.statechart.machinery import Machinery
+from fsm_calib.statechart.validate import check
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Signals by which an operator or the system stops a run."""
@@ -43,7 +46,12 @@ class Finished:
 
 
 def run_scenario(
-    scenario: Scenario, directory: Path, *, resume: bool = False, observer: Observer | None = None
+    scenario: Scenario,
+    directory: Path,
+    *,
+    resume: bool = False,
+    observer: Observer | None = None,
+    machinery: Machinery = CALIBRATION,
 ) -> Finished:
     """Run a scenario and write its files.
 
@@ -57,21 +65,24 @@ def run_scenario(
         Go on after the last whole event of the run in `directory`.
     observer : Observer or None
         Who watches.
+    machinery : Machinery
+        The machine that runs; the calibration by default.
 
     Raises
     ------
     InputError
-        The scenario cannot be built.
+        The scenario cannot be built, or the machine's tables are not sound; nothing is written then.
     DataError
         The run to go on from belongs to another scenario, or its journal is damaged.
     """
+    check(machinery)
     parts = Parts("start")
     began = time.perf_counter()
     start = resumed_session if resume else new_session
     if not resume:
         clear(directory)
     with watched(lambda: parts.enter("opencv"), parts.leave):
-        session = start(scenario, directory, parts, observer or Silent())
+        session = start(scenario, directory, parts, observer or Silent(), machinery)
         with stop_on_signals():
             drive(session)
         session.connection.close()

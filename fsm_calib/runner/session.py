@@ -25,6 +25,7 @@ from fsm_calib.runner.progress import Observer
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.settings import actions_of, limits_of
 from fsm_calib.scenario.world import world_of
+from fsm_calib.statechart.machinery import Machinery
 from fsm_calib.statechart.runtime import Machine
 from fsm_calib.world2d.robot import World, WorldSpec
 from fsm_calib.world2d.truth import Truth
@@ -68,12 +69,24 @@ class Session:
         return None if self.connection.world is None else self.connection.world.truth
 
 
-def new_session(scenario: Scenario, directory: Path, parts: Parts, observer: Observer) -> Session:
+def new_session(
+    scenario: Scenario,
+    directory: Path,
+    parts: Parts,
+    observer: Observer,
+    machinery: Machinery = CALIBRATION,
+) -> Session:
     """Return a run from its beginning; files of an earlier run in `directory` are replaced."""
-    return _session(scenario, directory, parts, observer, None)
+    return _session(scenario, directory, parts, observer, machinery, None)
 
 
-def resumed_session(scenario: Scenario, directory: Path, parts: Parts, observer: Observer) -> Session:
+def resumed_session(
+    scenario: Scenario,
+    directory: Path,
+    parts: Parts,
+    observer: Observer,
+    machinery: Machinery = CALIBRATION,
+) -> Session:
     """Return a run that goes on after its last whole event, or begins when it has none.
 
     Raises
@@ -83,27 +96,39 @@ def resumed_session(scenario: Scenario, directory: Path, parts: Parts, observer:
     """
     state = read_checkpoint(directory)
     if state is not None:
-        _check_same(state, identity(scenario), directory)
-    return _session(scenario, directory, parts, observer, state)
+        _check_same(state, identity(scenario, machinery), directory)
+    return _session(scenario, directory, parts, observer, machinery, state)
 
 
-def identity(scenario: Scenario) -> dict[str, str]:
+def identity(scenario: Scenario, machinery: Machinery = CALIBRATION) -> dict[str, str]:
     """Return what a run must have in common with the checkpoint it goes on from."""
     text = json.dumps(scenario.model_dump(mode="json"), sort_keys=True)
-    return {"scenario": hashlib.sha256(text.encode()).hexdigest(), "version": version("fsm-calib")}
+    return {
+        "scenario": hashlib.sha256(text.encode()).hexdigest(),
+        "machine": machinery.digest,
+        "version": version("fsm-calib"),
+    }
+
+
+DIFFERS = {"scenario": "scenario or seed", "machine": "machine", "version": "version of fsm-calib"}
+"""What a checkpoint may belong to another one of."""
 
 
 def _check_same(state: dict[str, Any], wanted: dict[str, str], directory: Path) -> None:
     """Raise `DataError` unless the checkpoint belongs to this scenario, seed and version."""
     for name, value in wanted.items():
         if state.get(name) != value:
-            what = "scenario or seed" if name == "scenario" else "version of fsm-calib"
             cure = "Give the same scenario and seed, or run again without --resume."
-            raise DataError(f"{directory} holds a run of another {what}", cure=cure)
+            raise DataError(f"{directory} holds a run of another {DIFFERS[name]}", cure=cure)
 
 
 def _session(
-    scenario: Scenario, directory: Path, parts: Parts, observer: Observer, state: dict[str, Any] | None
+    scenario: Scenario,
+    directory: Path,
+    parts: Parts,
+    observer: Observer,
+    machinery: Machinery,
+    state: dict[str, Any] | None,
 ) -> Session:
     """Build the run; `state` is the checkpoint to go on from."""
     spec = world_of(scenario)
@@ -113,18 +138,18 @@ def _session(
     frames = state["frames"] if state else 0
     robot = LoggedRobot(connection.robot, parts, frames)
     run = Run(
-        machine=_machine(scenario, limits, state),
+        machine=_machine(machinery, scenario, limits, state),
         bench=Bench(robot, settings),
         robot=robot,
         journal=Journal(directory, state["journal_length"], state["journal_chain"])
         if state
         else Journal(directory),
-        activities=ACTIVITIES,
+        activities=ACTIVITIES | dict(machinery.does),
         pose=connection.pose,
         parts=parts,
         observer=observer,
         gallery=_gallery(scenario, directory, state),
-        heading=identity(scenario),
+        heading=identity(scenario, machinery),
     )
     if state is None:
         teach(run.bench.notebook, scenario, spec.robot)
@@ -137,12 +162,12 @@ def _session(
     return Session(scenario, spec, connection, limits, settings, run)
 
 
-def _machine(scenario: Scenario, limits: Limits, state: dict[str, Any] | None) -> Machine:
+def _machine(machinery: Machinery, scenario: Scenario, limits: Any, state: dict[str, Any] | None) -> Machine:
     """Return the machine at its beginning or where the checkpoint stands."""
     if state is None:
-        return Machine(CALIBRATION, limits, scenario.plan)
-    books = CALIBRATION.books.from_dict(state["books"])
-    return Machine(CALIBRATION, limits, books=books, state=state["state"])
+        return Machine(machinery, limits, scenario.plan)
+    books = machinery.books.from_dict(state["books"])
+    return Machine(machinery, limits, books=books, state=state["state"])
 
 
 def _gallery(scenario: Scenario, directory: Path, state: dict[str, Any] | None) -> Gallery:

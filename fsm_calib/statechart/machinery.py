@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -113,6 +114,13 @@ class Machinery:
     def transitions(self) -> tuple[Transition, ...]:
         """Every transition of the whole machine."""
         return tuple(self.root.all_transitions())
+
+    @cached_property
+    def digest(self) -> str:
+        """A text that another table has not: SHA-256 of its name, its states with what is done, and its rows."""
+        rows = [f"{path} {state.do}" for path, state in self.states.items()]
+        rows += [f"{edge.ident} / {', '.join(edge.actions)}" for edge in self.transitions]
+        return hashlib.sha256("\n".join([self.root.name, *rows]).encode()).hexdigest()
 
     def declared(self, state: str) -> tuple[str, ...]:
         """Return the outcomes declared for the leaf `state`, those of the states around it included, sorted."""

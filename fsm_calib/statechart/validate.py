@@ -47,7 +47,8 @@ def check(machinery: Machinery) -> None:
     """
     where = f"machine {machinery.root.name}"
     if problems := validate(machinery):
-        raise ManyErrors(InputError(problem.rstrip("."), where=where) for problem in problems)
+        sentences = (problem.partition(". ") for problem in problems)
+        raise ManyErrors(InputError(problem, where=where, cure=cure) for problem, _, cure in sentences)
 
 
 def _names(chart: Chart) -> Iterator[str]:
