@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fsm_calib.commands.files import check_places, tell_result, write_file
-from fsm_calib.commands.given import TagMapFile, recordings_given
+from fsm_calib.commands.given import (
+    CommandTopic,
+    PoseTopic,
+    RobotFile,
+    TagMapFile,
+    WheelsTopic,
+    named_by,
+    recordings_given,
+)
 from fsm_calib.commands.next_drive import area_of, write_plan
 from fsm_calib.commands.options import EffectsOption
 
@@ -64,6 +72,10 @@ def diagnose_command(
     seed: Annotated[int, typer.Option(help="Seed of the significance test.")] = 0,
     tag_map: TagMapFile = None,
     effects: EffectsOption = None,
+    command: CommandTopic = None,
+    pose: PoseTopic = None,
+    wheels: WheelsTopic = None,
+    urdf: RobotFile = None,
 ) -> None:
     """Compare recordings with the simulation: locate the mismatch, name the physics, show the fit improve."""
     from fsm_calib.diagnosis.diagnose import diagnose
@@ -75,7 +87,9 @@ def diagnose_command(
     floor = area_of(area)
     given = world if world is not None and world.exists() else None
     physics = physics_of(given) if given is not None else None
-    train, new = recordings_given(recordings, holdout or (), tag_map=tag_map)
+    train, new = recordings_given(
+        recordings, holdout or (), tag_map=tag_map, named=named_by(command, pose, wheels, urdf)
+    )
     with DiagnosisProgress(len(registry())) as bar:
         result = diagnose(train, new, without=without or (), world=physics, progress=bar.part, seed=seed)
     for note in result.notes:

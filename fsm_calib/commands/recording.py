@@ -8,7 +8,15 @@ from typing import Annotated
 import typer
 
 from fsm_calib.commands.files import check_places, tell_result
-from fsm_calib.commands.given import TagMapFile, recordings_given
+from fsm_calib.commands.given import (
+    CommandTopic,
+    PoseTopic,
+    RobotFile,
+    TagMapFile,
+    WheelsTopic,
+    named_by,
+    recordings_given,
+)
 from fsm_calib.commands.options import EffectsOption
 
 
@@ -33,12 +41,16 @@ def identify_command(
     ] = None,
     tag_map: TagMapFile = None,
     effects: EffectsOption = None,
+    command: CommandTopic = None,
+    pose: PoseTopic = None,
+    wheels: WheelsTopic = None,
+    urdf: RobotFile = None,
 ) -> None:
     """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
     from fsm_calib.diagnosis.identify.identify import identify
 
     check_places(json_file)
-    loaded, _ = recordings_given(recordings, tag_map=tag_map)
+    loaded, _ = recordings_given(recordings, tag_map=tag_map, named=named_by(command, pose, wheels, urdf))
     if world is None:
         result = identify(loaded)
     else:

@@ -1,16 +1,15 @@
 """Read ROS 1 bags, ROS 2 bag folders and bare MCAP files.
 
-A bag that `write_bag` wrote holds every channel in full precision and reads back equal. In any other bag
-Duckietown's topics are known by type and name (docs/recordings.md lists them); time [s] is the message's
-header stamp, counted from the first stamp in the bag. Duckietown's dead-reckoned poses are computed from
-commands, measure nothing, and are left out.
+A bag that `write_bag` wrote holds every channel in full precision and reads back equal. In any other bag topics are
+known by type and name (docs/recordings.md lists them), or named by the user; time [s] counts from the first stamp.
+Dead-reckoned poses are computed from commands or wheels, measure nothing, and are left out unless they are named.
 """
 
 from __future__ import annotations
 
 import json
-import math
-from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,30 +17,20 @@ import numpy as np
 
 from fsm_calib.errors import InputError
 from fsm_calib.recording import channels as kinds
+from fsm_calib.recording import ros_messages as ros
 from fsm_calib.recording.bag_images import poses_from_bag_images
-from fsm_calib.recording.bag_reader import BagReader
-from fsm_calib.recording.channels import (
-    CommandTrack,
-    PoseTrack,
-    StateTrack,
-    TwistTrack,
-    WheelPair,
-    YawRateTrack,
-)
+from fsm_calib.recording.bag_topics import read_topics
+from fsm_calib.recording.channels import CommandTrack
 from fsm_calib.recording.checks import checked
-from fsm_calib.recording.duckietown_messages import typestore
+from fsm_calib.recording.named import NOTHING, Named
 from fsm_calib.recording.recording import CHANNELS, Finding, Recording, RobotFacts
 from fsm_calib.recording.stamps import zero_told
 from fsm_calib.recording.tag_poses import TagMap, TagRow, poses_from_tags, rows_of_message
+from fsm_calib.recording.topics import Topic, chosen, commanded, first_of, measured_pose
 from fsm_calib.recording.writers import HEAD_TOPIC, TOPIC
 
 COMMAND_TOPICS = ("wheels_driver_node/wheels_cmd_executed", "wheels_driver_node/wheels_cmd", "wheels_cmd")
-COMPUTED_POSES = ("deadreckoning", "velocity_to_pose", "odom")
-WANTED = (
-    "WheelsCmdStamped", "WheelEncoderStamped", "Twist2DStamped", "Pose2DStamped", "PoseStamped", "FSMState",
-    "Imu",
-    "AprilTagDetectionArray", "ChannelRow", "CameraInfo",
-)  # fmt: skip
+SECOND = 1e9  # ns
 
 
 class Source:
@@ -55,66 +44,39 @@ class Source:
         return f"{self.path}: message {row + 1}"
 
 
-def read_bag(path: Path, tag_map: TagMap | None = None) -> Recording:
+def read_bag(path: Path, tag_map: TagMap | None = None, named: Named = NOTHING) -> Recording:
     """Read a bag.
 
     Raises
     ------
     InputError
-        The bag is damaged, cut short or holds no known topic.
+        The bag is damaged, cut short or holds no known topic; a named topic is not there or cannot serve; several could
+        be the pose or the command.
     """
-    topics = _read_topics(path)
+    topics, findings = read_topics(path)
     source = Source(path)
     try:
-        if HEAD_TOPIC in topics:
+        if HEAD_TOPIC in topics and not named.any_topic:
             recording = _own(path, topics)
         else:
-            recording = _duckietown(path, topics, tag_map)
+            recording = _any_bag(path, topics, tag_map, named)
+        recording = replace(recording, checks=(*findings, *recording.checks))
         return checked(recording, {name: source for name in CHANNELS})
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
         problem = f"the bag's messages are damaged ({type(error).__name__})"
         raise InputError(problem, where=f"{path}:1", cure="Record it again.") from error
 
 
-def _read_topics(path: Path) -> dict[str, list[tuple[int, str, Any]]]:
-    """Return (stamp [ns], type, message) of every wanted message by topic."""
-    topics: dict[str, list[tuple[int, str, Any]]] = defaultdict(list)
-    try:
-        with BagReader([path], default_typestore=typestore()) as reader:
-            wanted = [c for c in reader.connections if c.msgtype.split("/")[-1] in WANTED]
-            for connection, stamp, raw in reader.messages(connections=wanted):
-                message = reader.deserialize(raw, connection.msgtype)
-                topics[connection.topic].append((_stamp(message, stamp), connection.msgtype, message))
-            known = sorted({connection.topic for connection in reader.connections})
-    except Exception as error:  # a damaged bag can fail anywhere inside its reader
-        raise InputError(
-            f"the bag is damaged or cut short: {' '.join(str(error).split())[:200] or type(error).__name__}",
-            where=f"{path}:1",
-            cure="Record it again, or repair it with: rosbag reindex",
-        ) from error
-    if not topics:
-        listed = ", ".join(known[:8]) or "none"
-        raise InputError(f"the bag holds no topic that tells of a drive; topics: {listed}", where=f"{path}:1")
-    return topics
-
-
-def _stamp(message: Any, bag_time: int) -> int:
-    """Return the header's stamp [ns], or the bag's own where there is none or it is zero."""
-    header = getattr(message, "header", None)
-    if header is None or (header.stamp.sec == 0 and header.stamp.nanosec == 0):
-        return bag_time
-    return int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
-
-
-def _own(path: Path, topics: dict[str, list[tuple[int, str, Any]]]) -> Recording:
+def _own(path: Path, topics: dict[str, Topic]) -> Recording:
     """Rebuild a recording that `write_bag` wrote."""
     try:
-        head = json.loads(topics[HEAD_TOPIC][0][2].text)
+        head = json.loads(topics[HEAD_TOPIC].rows[0][1].text)
         found: dict[str, Any] = {}
         for name, about in head["channels"].items():
-            rows = [message for _, _, message in topics.get(TOPIC.format(name), [])]
-            if not rows:
+            topic = topics.get(TOPIC.format(name))
+            if topic is None:
                 continue
+            rows = [message for _, message in topic.rows]
             table = np.stack([row.values for row in rows])
             columns: dict[str, Any] = {key: table[:, i] for i, key in enumerate(about["columns"])}
             if about["kind"] == "StateTrack":
@@ -126,97 +88,127 @@ def _own(path: Path, topics: dict[str, list[tuple[int, str, Any]]]) -> Recording
     return Recording(robot=facts, source=str(path), **found)
 
 
-def _duckietown(
-    path: Path, topics: dict[str, list[tuple[int, str, Any]]], tag_map: TagMap | None
-) -> Recording:
-    """Read Duckietown's topics."""
-    start = min(rows[0][0] for rows in topics.values())
-    of_type: dict[str, dict[str, list[tuple[float, Any]]]] = defaultdict(dict)
-    for topic, rows in topics.items():
-        of_type[rows[0][1].split("/")[-1]][topic] = [
-            ((stamp - start) / 1e9, message) for stamp, _, message in rows
-        ]
-    found: dict[str, Any] = {}
-    command = _first_of(of_type["WheelsCmdStamped"], COMMAND_TOPICS)
-    if command:
-        time, left, right = _columns(command, "vel_left", "vel_right")
-        found["command"] = CommandTrack(time, left, right)
-    elif twists := _first_of(of_type["Twist2DStamped"], ("car_cmd_switch_node/cmd", "car_cmd")):
-        time, v, omega = _columns(twists, "v", "omega")
-        found["twist"] = TwistTrack(time, v, omega)
-    angle = _encoders(of_type["WheelEncoderStamped"])
-    if angle is not None:
-        found["wheel_angle"] = angle
-    if pose := _poses(of_type):
-        found["pose"] = PoseTrack(*pose)
-    if states := _first_of(of_type["FSMState"], ("fsm_node/mode",)):
-        found["state"] = StateTrack(np.array([t for t, _ in states]), tuple(m.state for _, m in states))
-    if turns := _first_of(of_type["Imu"], ("imu",)):
-        values = np.array([m.angular_velocity.z for _, m in turns])
-        found["yaw_rate"] = YawRateTrack(np.array([t for t, _ in turns]), values)
-    findings: list[Finding] = zero_told(start / 1e9)
-    if "pose" not in found and of_type["AprilTagDetectionArray"]:
-        findings += _add_tag_poses(found, of_type["AprilTagDetectionArray"], tag_map)
+def _any_bag(path: Path, topics: dict[str, Topic], tag_map: TagMap | None, named: Named) -> Recording:
+    """Return the channels that the topics of a bag tell, named or known."""
+    facts = named.robot or RobotFacts()
+    if facts.name == RobotFacts().name:
+        name = next((t.split("/")[1] for t in topics if t.count("/") > 1 and ":" not in t), facts.name)
+        facts = replace(facts, name=name)
+    where = str(path)
+    used = _used(topics, named, where)
+    start = min((topic.rows[0][0] for topic in topics.values()), default=0)
+    findings = zero_told(start / SECOND) + _told(used)
+    found = _channels(used, start, named, facts, where)
+    angles = ros.encoder_wheels(
+        {t.name: _since(t, start) for t in topics.values() if t.kind == "WheelEncoderStamped"}
+    )
+    if angles is not None and not named.wheels:
+        found["wheel_angle"] = angles
+    tags = first_of(topics, "AprilTagDetectionArray")
+    if "pose" not in found and tags is not None:
+        findings += _add_tag_poses(found, _since(tags, start), tag_map)
     elif "pose" not in found and tag_map is not None:
-        track, finding = poses_from_bag_images(path, tag_map, start / 1e9)
+        track, finding = poses_from_bag_images(path, tag_map, start / SECOND)
         found |= {} if track is None else {"pose": track}
         findings.append(finding)
-    name = next((topic.split("/")[1] for topic in topics if topic.count("/") > 1), "robot")
-    return Recording(
-        robot=RobotFacts(name=name), source=str(path), checks=tuple(findings), clock_zero=start / 1e9, **found
+    if not found:
+        raise InputError(f"no topic tells of a drive; the bag holds {_all(topics)}", where=where)
+    return Recording(robot=facts, source=where, checks=tuple(findings), clock_zero=start / SECOND, **found)
+
+
+def _used(topics: dict[str, Topic], named: Named, where: str) -> dict[str, Topic]:
+    """Return the topic of each channel: as named, else as known."""
+    used: dict[str, Topic | None] = {
+        "pose": measured_pose(topics, ros.POSES, where)
+        if named.pose is None
+        else chosen(topics, named.pose, "pose", ros.POSES, where)
+    }
+    if named.command is not None:
+        used["command"] = chosen(topics, named.command, "command", ("WheelsCmdStamped", *ros.TWISTS), where)
+    else:
+        used["command"] = first_of(topics, "WheelsCmdStamped", COMMAND_TOPICS) or commanded(
+            topics, ros.TWISTS, where
+        )
+    if named.wheels is not None:
+        used["wheels"] = chosen(topics, named.wheels, "wheels", ros.WHEELS, where)
+    else:
+        used["wheels"] = first_of(topics, "JointState", ("joint_states",))
+    used["yaw_rate"] = (
+        chosen(topics, named.yaw_rate, "yaw_rate", ros.TURNS, where)
+        if named.yaw_rate
+        else first_of(topics, "Imu", ("imu", "imu/data"))
+    )
+    used["state"] = (
+        chosen(topics, named.state, "state", ros.STATES, where)
+        if named.state
+        else first_of(topics, "FSMState", ("fsm_node/mode",)) or _fsm_state(topics)
+    )
+    return {channel: topic for channel, topic in used.items() if topic is not None}
+
+
+def _fsm_state(topics: dict[str, Topic]) -> Topic | None:
+    """Return the topic on which this project's machine tells its state."""
+    return next(
+        (t for t in topics.values() if t.kind == "String" and t.name.endswith("fsm_calib/state")), None
     )
 
 
-def _first_of(topics: dict[str, list[Any]], order: tuple[str, ...]) -> list[Any]:
-    """Return the messages of the first topic whose name ends as `order` says, else of any topic."""
-    for ending in order:
-        for topic, rows in topics.items():
-            if topic.endswith(ending):
-                return rows
-    return next(iter(topics.values()), [])
+def _channels(
+    used: dict[str, Topic], start: int, named: Named, facts: RobotFacts, where: str
+) -> dict[str, Any]:
+    """Return the channels of the topics, times [s] counted from `start` [ns]."""
+    found: dict[str, Any] = {}
+    rows = {channel: _since(topic, start) for channel, topic in used.items()}
+    if "command" in used and used["command"].kind == "WheelsCmdStamped":
+        left, right = (
+            np.array([float(getattr(m, f"vel_{s}")) for _, m in rows["command"]]) for s in ("left", "right")
+        )
+        found["command"] = CommandTrack(
+            ros.time_of(rows["command"]), left, right, stale_after=named.stale_after
+        )
+    elif "command" in used:
+        found["twist"] = ros.twist_track(rows["command"], named.stale_after)
+    if "pose" in used:
+        found["pose"] = ros.pose_track(rows["pose"])
+    if "wheels" in used and used["wheels"].kind == "JointState":
+        found |= _joints(used["wheels"], rows["wheels"], named, where)
+    elif "wheels" in used and used["wheels"].kind == "Odometry":
+        found["wheel_speed"] = ros.odometry_wheels(rows["wheels"], facts.axle_length, where)
+    if "yaw_rate" in used:
+        found["yaw_rate"] = ros.yaw_rate_track(rows["yaw_rate"])
+    if "state" in used:
+        found["state"] = ros.state_track(rows["state"])
+    return found
 
 
-def _columns(rows: list[tuple[float, Any]], *names: str) -> list[np.ndarray]:
-    time = np.array([t for t, _ in rows])
-    return [time, *(np.array([float(getattr(m, name)) for _, m in rows]) for name in names)]
+def _joints(topic: Topic, rows: ros.Rows, named: Named, where: str) -> dict[str, Any]:
+    """Return the wheels of a topic of joints; one that nobody named may hold other joints (an arm)."""
+    try:
+        channel, pair = ros.joint_wheels(rows, f"{where}: {topic.name}", named.joints)
+    except InputError:
+        if named.wheels:
+            raise
+        return {}
+    return {channel: pair}
 
 
-def _poses(of_type: dict[str, dict[str, list[tuple[float, Any]]]]) -> list[np.ndarray]:
-    measured = {k: v for k, v in of_type["Pose2DStamped"].items() if not any(w in k for w in COMPUTED_POSES)}
-    if measured:
-        return _columns(next(iter(measured.values())), "x", "y", "theta")
-    stamped = next(iter(of_type["PoseStamped"].values()), [])
-    if not stamped:
-        return []
-    poses = [(t, m.pose.position, m.pose.orientation) for t, m in stamped]
-    theta = [math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y**2 + q.z**2)) for _, _, q in poses]
-    return [
-        np.array(c)
-        for c in ([t for t, _, _ in poses], [p.x for _, p, _ in poses], [p.y for _, p, _ in poses], theta)
-    ]
+def _since(topic: Topic, start: int) -> list[tuple[float, Any]]:
+    return [((stamp - start) / SECOND, message) for stamp, message in topic.rows]
 
 
-def _encoders(topics: dict[str, list[tuple[float, Any]]]) -> WheelPair | None:
-    """Return wheel angles [rad] at the left encoder's times; the right one is interpolated unless in step."""
-    sides = {}
-    for side in ("left", "right"):
-        rows = next((rows for topic, rows in topics.items() if side in topic), [])
-        if len(rows) < 2:
-            return None
-        time, data = _columns(rows, "data")
-        order = np.argsort(time, kind="stable")
-        sides[side] = (time[order], data[order] * 2.0 * math.pi / max(int(rows[0][1].resolution), 1))
-    time, left = sides["left"]
-    right = sides["right"][1] if np.array_equal(time, sides["right"][0]) else np.interp(time, *sides["right"])
-    step = 2.0 * math.pi / max(int(next(iter(topics.values()))[0][1].resolution), 1)
-    return WheelPair(time, left, right, "rad", step)
+def _told(used: dict[str, Topic]) -> list[Finding]:
+    """Tell which topic was read as which channel."""
+    return [Finding(channel, "topic", f"read from {topic}") for channel, topic in used.items()]
 
 
-def _add_tag_poses(
-    found: dict[str, Any], topics: dict[str, list[tuple[float, Any]]], tag_map: TagMap | None
-) -> list[Finding]:
+def _all(topics: dict[str, Topic]) -> str:
+    shown: Iterable[Topic] = list(topics.values())[:12]
+    return ", ".join(map(str, shown)) or "none that is known"
+
+
+def _add_tag_poses(found: dict[str, Any], messages: ros.Rows, tag_map: TagMap | None) -> list[Finding]:
     """Turn tag detections into poses where a map of the tags was given."""
-    rows: list[TagRow] = [row for t, m in _first_of(topics, ()) for row in rows_of_message(t, m)]
+    rows: list[TagRow] = [row for t, m in messages for row in rows_of_message(t, m)]
     if tag_map is None:
         return [
             Finding(

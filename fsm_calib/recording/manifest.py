@@ -7,6 +7,7 @@ into a `Recording` in SI units. `manifest_schema` holds the schema; every mistak
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from fsm_calib.errors import InputError
 from fsm_calib.recording.channels import (
     Channel,
     CommandTrack,
+    CommandUnit,
     DisplacementTrack,
     PoseTrack,
     StateTrack,
@@ -26,13 +28,19 @@ from fsm_calib.recording.channels import (
 from fsm_calib.recording.checks import checked
 from fsm_calib.recording.csv_table import Table, read_table
 from fsm_calib.recording.manifest_schema import (
+    BagManifest,
     ChannelSection,
+    PoseSection,
+    RobotSection,
     StateSection,
     WheelAngleSection,
     validate_manifest,
 )
+from fsm_calib.recording.named import Named
 from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.recording.robot_files import read_robot_file, with_facts
 from fsm_calib.recording.stamps import Stamps, read_stamps, refuse_long, zero_told, zeros_of
+from fsm_calib.recording.tag_poses import TagMap
 from fsm_calib.recording.yaml_places import read_yaml
 from fsm_calib.types import FloatArray
 
@@ -40,10 +48,14 @@ NUMERIC = frozenset(
     ("duration", "left", "right", "v", "omega", "x", "y", "theta", "value", "dx", "dy", "dtheta")
 )
 """Keys of a channel that name columns of numbers."""
+ANGLES = {None: 1.0, "rad": 1.0, "deg": math.radians(1.0)}
+"""rad per unit."""
+RATES = {None: 1.0, "rad/s": 1.0, "deg/s": math.radians(1.0), "rpm": 2.0 * math.pi / 60.0}
+"""rad/s per unit."""
 
 
-def read_manifest(path: Path) -> Recording:
-    """Read a manifest and its CSV files.
+def read_manifest(path: Path, tag_map: TagMap | None = None) -> Recording:
+    """Read a manifest and its CSV files, or the bag that it names.
 
     Raises
     ------
@@ -52,6 +64,9 @@ def read_manifest(path: Path) -> Recording:
     """
     placed = read_yaml(path)
     manifest = validate_manifest(placed)
+    facts = _robot_of(path, manifest.robot)
+    if isinstance(manifest, BagManifest):
+        return _bag(path, manifest, facts, tag_map, placed.place(("bag",)))
     sections: dict[str, ChannelSection] = {n: s for n, s in manifest.channels if s is not None}
     tables = {n: _read_section(path, s, placed.place(("channels", n, "file"))) for n, s in sections.items()}
     clocks = {n: _stamps(s, tables[n]) for n, s in sections.items() if s.time is not None}
@@ -69,7 +84,7 @@ def read_manifest(path: Path) -> Recording:
         sources[slot] = tables[name]
     zero = float(zeros.get("pose", min(zeros.values(), default=0)))
     recording = Recording(
-        robot=RobotFacts(**manifest.robot.model_dump()),
+        robot=facts,
         source=str(path),
         clock_zero=zero,
         checks=tuple(zero_told(zero)),
@@ -78,8 +93,44 @@ def read_manifest(path: Path) -> Recording:
     return checked(recording, sources)
 
 
+def _robot_of(path: Path, section: RobotSection) -> RobotFacts:
+    """Return what the manifest says of the robot, and what the description that it names says besides."""
+    facts = RobotFacts(**section.model_dump(exclude={"urdf"}))
+    return facts if section.urdf is None else with_facts(facts, read_robot_file(path.parent / section.urdf))
+
+
+def _bag(
+    path: Path, manifest: BagManifest, facts: RobotFacts, tag_map: TagMap | None, place: str
+) -> Recording:
+    """Read the bag of a manifest, its topics as named there."""
+    # bags need a heavy library that tables do not
+    from fsm_calib.recording.bags import read_bag
+
+    bag = path.parent / manifest.bag
+    if not bag.exists():
+        raise InputError(
+            f"the bag {manifest.bag!r} does not exist",
+            where=place,
+            cure="Names are relative to the manifest.",
+        )
+    part = manifest.channels
+    wheels = part.wheel_angle or part.wheel_rate or part.wheel_speed
+    named = Named(
+        command=part.command.topic if part.command else None,
+        pose=part.pose.topic if part.pose else None,
+        wheels=wheels.topic if wheels else None,
+        yaw_rate=part.yaw_rate.topic if part.yaw_rate else None,
+        state=part.state.topic if part.state else None,
+        joints=(wheels.left, wheels.right) if wheels and wheels.left and wheels.right else None,
+        stale_after=part.command.stale_after if part.command else None,
+        robot=facts,
+    )
+    return replace(read_bag(bag, tag_map, named), source=str(path))
+
+
 def _read_section(manifest: Path, section: ChannelSection, place: str) -> Table:
     numeric = [v for k, v in section if k in NUMERIC and isinstance(v, str)]
+    numeric += list(getattr(section, "quaternion", None) or ())
     text = [section.state] if isinstance(section, StateSection) else []
     text += [section.time] if section.time is not None else []
     file = manifest.parent / section.file
@@ -120,22 +171,26 @@ def _channel(name: str, section: Any, table: Table, time: FloatArray, duration: 
     def column(key: str, scale: float = 1.0) -> FloatArray:
         return table.numbers[getattr(section, key)] * scale
 
-    metre = section.length_unit
+    metre = section.length_unit or 1.0
     if name == "command" and section.unit == "twist":
-        return TwistTrack(time, column("v", metre), column("omega"), section.stale_after)
+        return TwistTrack(
+            time, column("v", metre), column("omega", ANGLES[section.angle_unit]), section.stale_after
+        )
     if name == "command":
-        return CommandTrack(time, column("left"), column("right"), section.unit, section.stale_after)
+        scale = RATES.get(section.unit, 1.0)
+        kind: CommandUnit = "normalized" if section.unit == "normalized" else "rad/s"
+        return CommandTrack(time, column("left", scale), column("right", scale), kind, section.stale_after)
     if name == "pose":
-        theta = column("theta") if section.theta else np.full(len(time), math.nan)
-        return PoseTrack(time, column("x", metre), column("y", metre), theta)
+        return PoseTrack(time, column("x", metre), column("y", metre), _heading(section, table))
     if name == "wheel_angle":
         scale, unit, step = _angle_unit(section)
         return WheelPair(time, column("left", scale), column("right", scale), unit, step, duration)
     if name in ("wheel_rate", "wheel_speed"):
-        scale = metre if name == "wheel_speed" else 1.0
-        return WheelPair(time, column("left", scale), column("right", scale), section.unit, 0.0, duration)
+        scale = metre if name == "wheel_speed" else RATES[section.unit]
+        unit = "m/s" if name == "wheel_speed" else "rad/s"
+        return WheelPair(time, column("left", scale), column("right", scale), unit, 0.0, duration)
     if name == "yaw_rate":
-        return YawRateTrack(time, column("value"), duration)
+        return YawRateTrack(time, column("value", RATES[section.unit]), duration)
     if name == "displacement":
         length = duration if duration is not None else _intervals(time)
         return DisplacementTrack(
@@ -144,10 +199,20 @@ def _channel(name: str, section: Any, table: Table, time: FloatArray, duration: 
     return StateTrack(time, table.words[section.state])
 
 
+def _heading(section: PoseSection, table: Table) -> FloatArray:
+    """Return headings [rad], of a column or of a quaternion's four; NaN where none is named."""
+    if section.quaternion is not None:
+        x, y, z, w = (table.numbers[name] for name in section.quaternion)
+        return np.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    if section.theta is None:
+        return np.full(len(table.lines), math.nan)
+    return table.numbers[section.theta] * ANGLES[section.angle_unit]
+
+
 def _angle_unit(section: WheelAngleSection) -> tuple[float, str, float]:
     """Return scale, unit and resolution of wheel angles."""
-    if section.unit == "rad":
-        return 1.0, "rad", 0.0
+    if section.unit in ("rad", "deg"):
+        return (1.0 if section.unit == "rad" else math.radians(1.0)), "rad", 0.0
     if section.ticks_per_turn is None:
         return 1.0, "tick", 1.0
     return 2.0 * math.pi / section.ticks_per_turn, "rad", 2.0 * math.pi / section.ticks_per_turn

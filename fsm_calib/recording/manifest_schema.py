@@ -6,9 +6,10 @@ One class for each section; unknown keys are errors. Lengths in m, times in s, u
 
 from __future__ import annotations
 
+import json
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
 from fsm_calib.errors import InputError, ManyErrors, nearest_names
 from fsm_calib.recording.yaml_places import KEY, PlacedYaml
@@ -27,13 +28,18 @@ class Section(BaseModel):
 
 
 class RobotSection(Section):
-    """What is known: wheel_radius, axle_length [m], max_wheel_rate [rad/s], metres_per_tick [m]."""
+    """What is known: wheel_radius, axle_length [m], max_wheel_rate [rad/s], metres_per_tick [m], mass [kg], inertia
+    [kg m2]; `urdf` names a URDF or SDF file that says what is not given here.
+    """
 
     name: Name = "robot"
     wheel_radius: Fact | None = None
     axle_length: Fact | None = None
     max_wheel_rate: Fact | None = None
     metres_per_tick: Fact | None = None
+    mass: Fact | None = None
+    inertia: Fact | None = None
+    urdf: Name | None = None
 
 
 class ChannelSection(Section):
@@ -45,7 +51,7 @@ class ChannelSection(Section):
     time: Name | None = None
     duration: Name | None = None
     time_unit: Positive | None = None
-    length_unit: Positive = 1.0
+    length_unit: Positive | None = None
 
     @model_validator(mode="after")
     def _one_clock(self) -> ChannelSection:
@@ -63,7 +69,8 @@ class CommandSection(ChannelSection):
     right: Name | None = None
     v: Name | None = None
     omega: Name | None = None
-    unit: Literal["normalized", "rad/s", "twist"] = "normalized"
+    unit: Literal["normalized", "rad/s", "rpm", "twist"] = "normalized"
+    angle_unit: Literal["rad", "deg"] | None = None
     stale_after: Positive | None = None
 
     @model_validator(mode="after")
@@ -76,11 +83,19 @@ class CommandSection(ChannelSection):
 
 
 class PoseSection(ChannelSection):
-    """Columns of the measured pose; theta may be missing."""
+    """Columns of the measured pose; theta may be missing, or be a quaternion's four columns x, y, z, w."""
 
     x: Name
     y: Name
     theta: Name | None = None
+    quaternion: tuple[Name, Name, Name, Name] | None = None
+    angle_unit: Literal["rad", "deg"] | None = None
+
+    @model_validator(mode="after")
+    def _one_heading(self) -> PoseSection:
+        if self.theta is not None and self.quaternion is not None:
+            raise ValueError("give theta or quaternion, not both")
+        return self
 
 
 class WheelAngleSection(ChannelSection):
@@ -88,7 +103,7 @@ class WheelAngleSection(ChannelSection):
 
     left: Name
     right: Name
-    unit: Literal["rad", "tick"] = "rad"
+    unit: Literal["rad", "deg", "tick"] = "rad"
     ticks_per_turn: Positive | None = None
 
 
@@ -97,7 +112,7 @@ class WheelRateSection(ChannelSection):
 
     left: Name
     right: Name
-    unit: Literal["rad/s"] = "rad/s"
+    unit: Literal["rad/s", "deg/s", "rpm"] | None = None
 
 
 class WheelSpeedSection(ChannelSection):
@@ -112,7 +127,7 @@ class YawRateSection(ChannelSection):
     """A gyro."""
 
     value: Name
-    unit: Literal["rad/s"] = "rad/s"
+    unit: Literal["rad/s", "deg/s"] | None = None
 
 
 class DisplacementSection(ChannelSection):
@@ -157,32 +172,92 @@ class Manifest(Section):
     channels: ChannelsSection
 
 
-def validate_manifest(placed: PlacedYaml) -> Manifest:
+class TopicSection(Section):
+    """A topic of a bag."""
+
+    topic: Name
+
+
+class CommandTopic(TopicSection):
+    """Commands; one older than `stale_after` [s] says nothing."""
+
+    stale_after: Positive | None = None
+
+
+class WheelTopic(TopicSection):
+    """Wheels: JointState with the names of the left and the right joint, encoders or an odometry."""
+
+    left: Name | None = None
+    right: Name | None = None
+
+    @model_validator(mode="after")
+    def _both(self) -> WheelTopic:
+        if (self.left is None) != (self.right is None):
+            raise ValueError("give both joints, left and right")
+        return self
+
+
+class TopicsSection(Section):
+    """Channels of a bag; those that are not named are found by type and name."""
+
+    command: CommandTopic | None = None
+    pose: TopicSection | None = None
+    wheel_angle: WheelTopic | None = None
+    wheel_rate: WheelTopic | None = None
+    wheel_speed: WheelTopic | None = None
+    yaw_rate: TopicSection | None = None
+    state: TopicSection | None = None
+
+    @model_validator(mode="after")
+    def _one_of_wheels(self) -> TopicsSection:
+        if sum(part is not None for part in (self.wheel_angle, self.wheel_rate, self.wheel_speed)) > 1:
+            raise ValueError("name one topic of the wheels; what it holds says what it becomes")
+        return self
+
+
+class BagManifest(Section):
+    """A manifest over a bag: channels name topics."""
+
+    format: Literal["fsm-calib/recording@1"]
+    bag: Name
+    robot: RobotSection = RobotSection()
+    channels: TopicsSection = TopicsSection()
+
+
+def validate_manifest(placed: PlacedYaml) -> Manifest | BagManifest:
     """Return the manifest, or raise every error in it with its place."""
     if not isinstance(placed.data, dict):
         raise InputError(
             "the manifest holds no mapping", where=placed.place(()), cure=f"Begin with 'format: {FORMAT}'."
         )
+    kind: type[Manifest] | type[BagManifest] = BagManifest if "bag" in placed.data else Manifest
     try:
-        return Manifest.model_validate(placed.data)
+        return kind.model_validate(placed.data)
     except ValidationError as error:
-        errors = [_input_error(placed, detail) for detail in error.errors()]
+        errors = [_input_error(placed, detail, kind) for detail in error.errors()]
         raise errors[0] if len(errors) == 1 else ManyErrors(errors) from error
 
 
-def _input_error(placed: PlacedYaml, detail: Any) -> InputError:
+def manifest_schema_text() -> str:
+    """Return the JSON Schema of manifests, of tables and of bags, for editors."""
+    plain = TypeAdapter(Manifest | BagManifest).json_schema()
+    plain["title"] = f"Manifest {FORMAT}"
+    return json.dumps(plain, indent=1) + "\n"
+
+
+def _input_error(placed: PlacedYaml, detail: Any, kind: type[BaseModel]) -> InputError:
     path = tuple(detail["loc"])
     key = ".".join(str(part) for part in path) or "manifest"
     cure = ""
     if detail["type"] == "extra_forbidden":
-        cure = nearest_names(str(path[-1]), _known_keys(path[:-1]))
+        cure = nearest_names(str(path[-1]), _known_keys(path[:-1], kind))
         return InputError(f"unknown key {key!r}", where=placed.place((*path, KEY)), cure=cure)
     message = str(detail["msg"]).removeprefix("Value error, ")
     return InputError(f"{key}: {message[:1].lower()}{message[1:]}", where=placed.place(path), cure=cure)
 
 
-def _known_keys(path: tuple[Any, ...]) -> list[str]:
-    model: Any = Manifest
+def _known_keys(path: tuple[Any, ...], kind: type[BaseModel]) -> list[str]:
+    model: Any = kind
     for part in path:
         annotation = model.model_fields[part].annotation
         arguments = getattr(annotation, "__args__", (annotation,))

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fsm_calib.errors import InputError
 from fsm_calib.recording.manifest import read_manifest
+from fsm_calib.recording.named import NOTHING, Named
 from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.robot_files import with_facts
+
+if TYPE_CHECKING:
+    from fsm_calib.recording.tag_poses import TagMap
 
 MANIFEST_SUFFIXES = (".yaml", ".yml")
 BAG_SUFFIXES = (".bag", ".mcap", ".db3")
@@ -14,11 +21,12 @@ MANIFEST_NAME = "recording.yaml"
 MANIFEST_END = ".recording.yaml"
 
 
-def read_recording(path: str | Path, tag_map: str | Path | None = None) -> Recording:
+def read_recording(path: str | Path, tag_map: str | Path | None = None, named: Named = NOTHING) -> Recording:
     """Read a manifest, a folder that holds ``recording.yaml``, a ROS 1 ``.bag``, a ROS 2 bag folder or a
     ``.mcap``; NAME stands for ``NAME.recording.yaml``.
 
-    `tag_map` names a YAML file with the places of tags, for bags that hold tag detections and no poses.
+    `tag_map` names a YAML file with the places of tags, for bags that hold tag detections and no poses; `named` says
+    which topics of a bag to read, and facts of the robot that the recording itself does not state.
 
     Raises
     ------
@@ -26,21 +34,36 @@ def read_recording(path: str | Path, tag_map: str | Path | None = None) -> Recor
         Nothing is there, or it is none of these, or it is damaged; the sentence says file and line.
     """
     path = Path(path)
-    named = path.with_name(path.name + MANIFEST_END) if path.name else path
-    if not path.exists() and named.is_file():
-        path = named
+    full = path.with_name(path.name + MANIFEST_END) if path.name else path
+    if not path.exists() and full.is_file():
+        path = full
     if not path.exists():
         raise InputError("the recording does not exist", where=str(path))
     if path.is_dir() and (path / MANIFEST_NAME).is_file():
         path = path / MANIFEST_NAME
     if path.is_file() and path.suffix in MANIFEST_SUFFIXES and path.name != "metadata.yaml":
-        return read_manifest(path)
+        if named.any_topic:
+            raise InputError(
+                "topics are named for a manifest, which names its channels itself",
+                where=str(path),
+                cure="Give the bag in place of the manifest, or name the topics in the manifest.",
+            )
+        recording = read_manifest(path, _tags(tag_map))
+        robot = recording.robot if named.robot is None else with_facts(recording.robot, named.robot)
+        return dataclasses.replace(recording, robot=robot)
     if path.suffix in BAG_SUFFIXES or (path.is_dir() and (path / "metadata.yaml").is_file()):
         # bags need a heavy library that manifests do not
         from fsm_calib.recording.bags import read_bag
-        from fsm_calib.recording.tag_poses import read_tag_map
 
-        return read_bag(path, None if tag_map is None else read_tag_map(Path(tag_map)))
+        return read_bag(path, _tags(tag_map), named)
     raise InputError(
         "not a recording: expected a manifest (.yaml), a .bag, a .mcap or a bag folder", where=str(path)
     )
+
+
+def _tags(tag_map: str | Path | None) -> TagMap | None:
+    if tag_map is None:
+        return None
+    from fsm_calib.recording.tag_poses import read_tag_map
+
+    return read_tag_map(Path(tag_map))

@@ -40,7 +40,8 @@ GAP_FACTOR = (
 class RobotFacts:
     """What is known of the robot beforehand; None = not known.
 
-    wheel_radius, axle_length [m]; max_wheel_rate [rad/s at command 1]; metres_per_tick [m].
+    wheel_radius, axle_length [m]; max_wheel_rate [rad/s at command 1]; metres_per_tick [m]; mass [kg]; inertia about
+    the vertical [kg m2].
     """
 
     name: str = "robot"
@@ -48,6 +49,8 @@ class RobotFacts:
     axle_length: float | None = None
     max_wheel_rate: float | None = None
     metres_per_tick: float | None = None
+    mass: float | None = None
+    inertia: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ together answer one question: does the residual depend on this?
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +42,10 @@ class Group:
     def name(self) -> str:
         """Channel and regime in one word."""
         return f"{self.channel}:{self.regime}"
+
+    def named_alone(self) -> Group:
+        """Return the group without its columns, for results that outlive the test."""
+        return replace(self, columns=())
 
 
 def hats(variable: FloatArray, knots: FloatArray) -> FloatArray:
@@ -96,8 +100,8 @@ def _world(s: Situation, basis: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.hstack([c * basis, d * basis]), np.hstack([-d * basis, c * basis])
 
 
-def feature_groups(situations: list[Situation]) -> list[Group]:
-    """Return all groups for the recordings of one robot."""
+def feature_groups(situations: list[Situation]) -> Iterator[Group]:
+    """Yield all groups for the recordings of one robot, one at a time: together they take a hundred megabytes."""
     limit = (
         max(float(np.max(np.abs(np.concatenate([s.left, s.right])))) for s in situations for s in [s]) or 1.0
     )
@@ -143,7 +147,7 @@ def feature_groups(situations: list[Situation]) -> list[Group]:
         ("forward", "moment", _forward, lambda s: _gusts(s, end)),
     ]  # fmt: skip
     recipes += [("forward", "repeats in time", _forward, _periodic(period)) for period in PERIODS]
-    return [_group(situations, *recipe) for recipe in recipes]
+    return (_group(situations, *recipe) for recipe in recipes)
 
 
 RUN_BOUND = {"time", "moment", "repeats in time", "wheel phase", "heading turned"}

@@ -8,7 +8,7 @@ of a second (a max-statistic permutation test: Westfall & Young 1993), which kee
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -107,7 +107,7 @@ class Flips:
 
 
 def flip_test(
-    residual: Residual, groups: Sequence[Group], rng: np.random.Generator
+    residual: Residual, groups: Iterable[Group], rng: np.random.Generator
 ) -> tuple[list[LeftOver], float, float]:
     """Return the tests of all groups, most surprising first, the p-value of the first, and what 1 % of signs reach."""
     block = _blocks(residual)

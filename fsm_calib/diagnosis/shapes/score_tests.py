@@ -9,7 +9,7 @@ one degree of strength for a whole family of shapes: the score test of a varianc
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +23,7 @@ from fsm_calib.types import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class LeftOver:
-    """The test of one group: surprise = -log10 p; gain = log-likelihood that its features could still win."""
+    """The test of one group, kept without its columns: surprise = -log10 p; gain = log-likelihood still to win."""
 
     group: Group
     surprise: float
@@ -91,16 +91,16 @@ def test_columns(residual: Residual, group: Group, x: FloatArray) -> LeftOver:
     gram = x.T @ x
     mean, variance = float(np.trace(gram)), 2.0 * float(np.sum(gram * gram))
     if variance <= 0.0:
-        return LeftOver(group, 0.0, 0.0, np.zeros(x.shape[1]))
+        return LeftOver(group.named_alone(), 0.0, 0.0, np.zeros(x.shape[1]))
     scale = variance / (2.0 * mean)
     log_p = float(chi2.logsf(float(scores @ scores) / scale, mean / scale))
     ridge = 1e-3 * mean / len(gram)
     coefficients = np.asarray(np.linalg.solve(gram + ridge * np.eye(len(gram)), scores), dtype=float)
     gain = 0.5 * float(scores @ coefficients) - 0.5 * len(gram)
-    return LeftOver(group, -log_p / np.log(10.0), gain, coefficients)
+    return LeftOver(group.named_alone(), -log_p / np.log(10.0), gain, coefficients)
 
 
-def left_over(engine: Engine, fit: Fit, groups: Sequence[Group]) -> list[LeftOver]:
+def left_over(engine: Engine, fit: Fit, groups: Iterable[Group]) -> list[LeftOver]:
     """Return the tests of all groups, most surprising first."""
     residual = residual_of(engine, fit)
     tests = [test_group(residual, group) for group in groups]
