@@ -15,6 +15,7 @@ import numpy as np
 from fsm_calib.diagnosis.identify.align import open_loop_error
 from fsm_calib.diagnosis.identify.command import fit_commands
 from fsm_calib.diagnosis.identify.displacement import identify_from_displacement
+from fsm_calib.diagnosis.identify.explained import refuse_slow, refuse_unexplained
 from fsm_calib.diagnosis.identify.notes import command_notes, wheel_notes
 from fsm_calib.diagnosis.identify.pose import PoseFit, thinned
 from fsm_calib.diagnosis.identify.result import Estimate, Identification, combined, unknown
@@ -84,7 +85,9 @@ def _from_pose(recording: Recording, wheels: bool, commands: bool) -> Identifica
         if read_as.name == "wheel_radius":
             radius = abs(fit.values["left"] + fit.values["right"]) / 2.0
     if commands:
+        refuse_unexplained(recording)
         fit = fit_commands(recording)
+        refuse_slow(recording, math.exp(fit.values["tau_forward"]), math.exp(fit.values["tau_turn"]))
         found = _command_estimates(fit, recording, radius)
         estimates = found | _point_estimates(fit) | estimates
         residual = _residual(fit) | residual
