@@ -21,6 +21,7 @@ from typer.core import TyperGroup
 
 from fsm_calib.commands.options import EffectsOption
 from fsm_calib.errors import LONGEST_PART, FsmCalibError, shown
+from fsm_calib.stops import Interrupted, on_stop_signals
 
 COMMAND_MODULES: tuple[str, ...] = (
     "run",
@@ -163,7 +164,11 @@ def main() -> None:
     ``FSM_CALIB_TRACEBACK=1`` shows the details instead. Calls of `app`, as tests make them, see the exception itself.
     """
     try:
-        app()
+        with on_stop_signals(Interrupted):
+            app()
+    except Interrupted as stopped:
+        typer.echo(f"fsm-calib: {STOPPED.format(stopped)}", err=True)
+        sys.exit(1)
     except Exception as error:
         if os.environ.get("FSM_CALIB_TRACEBACK"):
             raise
@@ -172,6 +177,10 @@ def main() -> None:
         sys.exit(code)
 
 
+STOPPED = (
+    "stopped by {} before the end. What is on disk is whole: a run goes on with --resume DIR, a study with the same "
+    "command; anything else begins again."
+)
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EMFILE, errno.ENFILE, errno.ENOMEM)
 """Errors of the machine, not of what the user asked for: exit code 1."""
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fsm_calib.errors import InputError, shown, shown_lines
+from fsm_calib.journal import write_atomically
 
 if TYPE_CHECKING:
     from fsm_calib.recording.recording import Recording
@@ -41,7 +42,7 @@ def check_places(*files: Path | None) -> None:
 
 
 def write_file(path: Path, text: str) -> None:
-    """Write a text file.
+    """Write a text file whole, or not at all.
 
     Raises
     ------
@@ -49,7 +50,7 @@ def write_file(path: Path, text: str) -> None:
         The file cannot be written.
     """
     try:
-        path.write_text(text, encoding="utf-8")
+        write_atomically(path, text.encode())
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", where=str(path)) from error
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import shutil
-import signal
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.opencv_time import watched
 from fsm_calib.runner import files
+from fsm_calib.runner.hold import held
 from fsm_calib.runner.loop import run_to_end, step_abort
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Observer, Silent
@@ -25,9 +25,8 @@ from fsm_calib.runner.session import Session, new_session, resumed_session
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.statechart.machinery import Machinery
 from fsm_calib.statechart.validate import check
+from fsm_calib.stops import on_stop_signals
 
-STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-"""Signals by which an operator or the system stops a run."""
 RUN_FILES = (JOURNAL_NAME, CHECKPOINT_NAME, PREVIOUS_NAME, files.RESULT_NAME, files.REPORT_NAME)
 RUN_FOLDERS = ("frames", "calibrations", "recording")
 
@@ -71,18 +70,33 @@ def run_scenario(
     Raises
     ------
     InputError
-        The scenario cannot be built, or the machine's tables are not sound; nothing is written then.
+        The scenario cannot be built, the machine's tables are not sound (nothing is written then), or another run is
+        at work in the directory.
     DataError
         The run to go on from belongs to another scenario, or its journal is damaged.
     """
     check(machinery)
+    if not resume:
+        directory.mkdir(parents=True, exist_ok=True)
+    with held(directory):
+        if not resume:
+            clear(directory)
+        start = resumed_session if resume else new_session
+        return _run_held(scenario, directory, start, observer or Silent(), machinery)
+
+
+def _run_held(
+    scenario: Scenario,
+    directory: Path,
+    start: Callable[..., Session],
+    observer: Observer,
+    machinery: Machinery,
+) -> Finished:
+    """Run a scenario in a directory that no other run works in."""
     parts = Parts("start")
     began = time.perf_counter()
-    start = resumed_session if resume else new_session
-    if not resume:
-        clear(directory)
     with watched(lambda: parts.enter("opencv"), parts.leave):
-        session = start(scenario, directory, parts, observer or Silent(), machinery)
+        session = start(scenario, directory, parts, observer, machinery)
         with stop_on_signals():
             drive(session)
         session.connection.close()
@@ -121,28 +135,13 @@ def _write_report(directory: Path, session: Session, result: dict[str, Any]) -> 
 
 
 def clear(directory: Path) -> None:
-    """Make the directory and remove what an earlier run left in it; other files stay."""
-    directory.mkdir(parents=True, exist_ok=True)
+    """Remove what an earlier run left in the directory; other files stay."""
     for name in RUN_FILES:
         (directory / name).unlink(missing_ok=True)
     for name in RUN_FOLDERS:
         shutil.rmtree(directory / name, ignore_errors=True)
 
 
-@contextmanager
-def stop_on_signals() -> Iterator[None]:
+def stop_on_signals() -> AbstractContextManager[None]:
     """Turn stop signals into `Stopped` inside the `with` block (in the main thread)."""
-
-    def raise_stopped(number: int, frame: object) -> None:
-        raise Stopped(f"Stopped by {signal.Signals(number).name}.")
-
-    try:
-        before = {number: signal.signal(number, raise_stopped) for number in STOP_SIGNALS}
-    except ValueError:  # not the main thread: whoever owns it handles its signals
-        yield
-        return
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    return on_stop_signals(lambda name: Stopped(f"Stopped by {name}."))

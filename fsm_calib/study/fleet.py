@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import fcntl
 import json
+import os
 import shutil
 import time
 from collections.abc import Iterator
@@ -154,7 +155,8 @@ def tasks_of(study: Study, directory: Path, session: int) -> dict[Key, Task]:
     for variant in variants_of(study):
         robots = study.robots if variant.name == BASE else min(study.robots, study.variant_robots)
         for robot in range(robots):
-            tasks[variant.name, robot] = Task(text, variant, robot, str(directory.resolve()), session)
+            place = str(directory.resolve())
+            tasks[variant.name, robot] = Task(text, variant, robot, place, session, os.getpid())
     return tasks
 
 

@@ -19,6 +19,7 @@ from typing import Any
 from fsm_calib.perception.opencv_threads import use_one_thread
 from fsm_calib.study.load import study_of_text
 from fsm_calib.study.models import Study
+from fsm_calib.study.orphans import end_with
 from fsm_calib.study.stages import count_start, locked
 from fsm_calib.study.trial import run_trial
 from fsm_calib.study.variants import Variant, robot_name
@@ -46,6 +47,8 @@ class Task:
         The study's directory; on machines that do not see it, work is done in a temporary one.
     session : int
         Number of the command that gave the task.
+    command : int
+        Its process; a worker that it started itself ends when it is gone. Zero: nobody is watched.
     """
 
     study: str
@@ -53,6 +56,7 @@ class Task:
     robot: int
     directory: str
     session: int
+    command: int = 0
 
     @property
     def work(self) -> Path:
@@ -69,6 +73,7 @@ def work_name(variant: str, robot: int) -> str:
 def run_task(task: Task, trial: Trial = run_trial) -> dict[str, Any] | None:
     """Return the row of one robot; None when the command that gave the task is no longer at work."""
     use_one_thread()
+    end_with(task.command)
     began = time.perf_counter()
     with ExitStack() as stack:
         work = task.work

@@ -1,0 +1,150 @@
+"""A command that is stopped, or whose parent is gone, says so and leaves nothing half done."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from fsm_calib.errors import InputError
+from fsm_calib.journal import write_atomically
+from fsm_calib.runner.hold import held
+from fsm_calib.stops import Interrupted, on_stop_signals
+from fsm_calib.study.orphans import ORPHANED, watch
+
+PROGRAM = "import sys\nfrom fsm_calib import cli\nprint('ready', file=sys.stderr, flush=True)\n{then}"
+
+
+def started(then: str) -> subprocess.Popen:
+    """Return a program that has said that it is ready."""
+    code = PROGRAM.format(then=then)
+    process = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    assert process.stderr.readline() == "ready\n"
+    return process
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+def test_a_command_that_is_stopped_before_its_work_says_so(number: signal.Signals) -> None:
+    told = f"cli.typer.echo('working', err=True)\nos.kill(os.getpid(), {int(number)})\ntime.sleep(60)"
+    body = "\n    ".join(told.split("\n"))
+    heard = f"import signal; signal.signal({int(number)}, signal.SIG_DFL)"  # a background job ignores it
+    process = started(f"import os, time; {heard}\ndef slow():\n    {body}\ncli.app = slow\ncli.main()")
+    _, said = process.communicate(timeout=30)
+    assert process.returncode == 1
+    assert f"fsm-calib: stopped by {number.name} before the end." in said
+    assert "--resume" in said
+    assert "Traceback" not in said
+
+
+def test_a_signal_that_was_ignored_stays_ignored() -> None:
+    with on_stop_signals(Interrupted):
+        ours = signal.getsignal(signal.SIGHUP)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with on_stop_signals(Interrupted):
+            assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+            assert signal.getsignal(signal.SIGTERM) is not ours
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_handlers_are_given_back_after_the_block() -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(Interrupted, match="SIGTERM"), on_stop_signals(Interrupted):
+        os.kill(os.getpid(), signal.SIGTERM)
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_another_thread_changes_no_handler() -> None:
+    before, seen = signal.getsignal(signal.SIGTERM), []
+
+    def inside() -> None:
+        with on_stop_signals(Interrupted):
+            seen.append(signal.getsignal(signal.SIGTERM))
+
+    thread = threading.Thread(target=inside)
+    thread.start()
+    thread.join()
+    assert seen == [before]
+
+
+def test_a_worker_ends_when_its_parent_is_another_one() -> None:
+    parents, waited, ended = iter([7, 7, 1]), [], []
+    watch(7, parent_now=lambda: next(parents), end=ended.append, wait=waited.append)
+    assert ended == [ORPHANED]
+    assert len(waited) == 2
+
+
+def test_a_worker_of_a_killed_command_ends_at_once(tmp_path: Path) -> None:
+    worker = (
+        "import os, time; from fsm_calib.study.orphans import end_with; end_with(int({}))\n"
+        "open({!r}, 'w').close(); time.sleep(60)"
+    )
+    mark = tmp_path / "watching"
+    code = (
+        "import os, subprocess, sys, time\n"
+        f"code = {worker!r}.format(os.getpid(), {str(mark)!r})\n"
+        "child = subprocess.Popen([sys.executable, '-c', code])\n"
+        f"while not os.path.exists({str(mark)!r}): time.sleep(0.01)\n"
+        "print(child.pid, flush=True)\n"
+        "time.sleep(60)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as command:
+        assert command.stdout is not None
+        pid = int(command.stdout.readline())
+        command.kill()
+    for _ in range(400):
+        if not alive(pid):
+            return
+        threading.Event().wait(0.05)
+    os.kill(pid, signal.SIGKILL)
+    pytest.fail("the worker outlived its command")
+
+
+def alive(pid: int) -> bool:
+    """Tell whether a process is there and no zombie that nobody has collected."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().split(")")[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_a_second_run_in_a_directory_is_refused_while_the_first_is_at_work(tmp_path: Path) -> None:
+    with held(tmp_path), pytest.raises(InputError, match="another run is at work"), held(tmp_path):
+        pass
+    with held(tmp_path):
+        pass
+
+
+def test_a_file_that_cannot_be_written_whole_is_left_as_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "result.json"
+    path.write_bytes(b"old")
+
+    def full(descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        write_atomically(path, b"new", durable=True)
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_link_stays_a_link_and_a_pipe_a_pipe(tmp_path: Path) -> None:
+    (tmp_path / "real.json").write_bytes(b"old")
+    (tmp_path / "link.json").symlink_to("real.json")
+    write_atomically(tmp_path / "link.json", b"new")
+    assert (tmp_path / "link.json").is_symlink()
+    assert (tmp_path / "real.json").read_bytes() == b"new"
+    os.mkfifo(tmp_path / "pipe")
+    reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    write_atomically(tmp_path / "pipe", b"new")
+    assert os.read(reader, 10) == b"new"
+    os.close(reader)
