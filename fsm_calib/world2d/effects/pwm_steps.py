@@ -1,0 +1,71 @@
+r"""The motor driver knows whole PWM numbers only, and rounds every command down to one.
+
+    u_effective = u + share (sgn(u) floor(levels |u|) / levels - u)
+
+u [1] command, levels [1] PWM numbers between none and full command, share [1] of the rounding that acts: 1 without
+dithering, 0 where the sender spreads its commands so that their mean is right. Assumes that the driver's fixed part (60
+of 255) cancels the motor's own dead zone; what is left of that is `motor_deadband`. Duckietown's driver sends
+floor(195 |u| + 60): one step is 2 % of a command of 0.23. Source: dagu_wheels_driver.py (dt-duckiebot-interface).
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from fsm_calib.world2d.effects.effect import Effect, Parameter
+
+ON_A_STEP = 1e-9
+"""Of a step: a command that is a whole number but for rounding is that number."""
+
+
+@njit(error_model="numpy")
+def floor_to_step(P, o, u, side):
+    """Return the command that the driver makes of it."""
+    whole = math.floor(abs(u) * P[o + 1] + ON_A_STEP) / P[o + 1]
+    return u + P[o] * (math.copysign(whole, u) - u)
+
+
+EFFECT = Effect(
+    name="pwm_steps",
+    family="command map",
+    summary="commands are rounded down to whole PWM numbers",
+    equation="u_eff = u + share (sgn(u) floor(levels |u|)/levels - u)",
+    parameters=(
+        Parameter(
+            "share",
+            "q",
+            "1",
+            0.0,
+            0.0,
+            1.0,
+            1.0,
+            "1 as Duckietown's driver does, 0 with dithering",
+            natural_end=True,
+            starts=(1.0,),
+        ),
+        Parameter(
+            "levels",
+            "N",
+            "1",
+            195.0,
+            1.0,
+            65535.0,
+            195.0,
+            "Duckietown: 255 - 60; other drivers 100, 255 or 1023",
+            strength=False,
+            fitted=False,
+        ),
+    ),
+    hooks={"shape": floor_to_step},
+    channels=("forward", "turn"),
+    regimes=("small_command", "one_wheel"),
+    separates="what is missing is less than one step, and goes up and down with the command; a dead zone does not",
+    rivals=("motor_deadband", "motor_gain_curve"),
+    manoeuvre="slow straights at ten commands that lie a tenth of a step apart",
+    sentence="The driver rounds commands down to whole PWM numbers (share {share} of the rounding acts).",
+    source="Duckietown dagu_wheels_driver.py",
+    input="command",
+    order=20,
+)
