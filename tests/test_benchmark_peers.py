@@ -32,7 +32,14 @@ def test_one_wild_row_hardly_moves_a_local_quadratic():
     assert local_quadratic(t, wild[:, None], at)[0, 0, 0] == pytest.approx(0.42, abs=0.005)
 
 
-WITHOUT_TERMS = {"unequal_motors", "wheel_slip", "observation_delay", "command_point", "skid_steer", "pwm_steps"}
+WITHOUT_TERMS = {
+    "unequal_motors",
+    "wheel_slip",
+    "observation_delay",
+    "command_point",
+    "skid_steer",
+    "pwm_steps",
+}
 """In the peers' base already, the twin of the command's delay, or of robots that are not in the set."""
 
 
