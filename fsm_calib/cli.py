@@ -25,6 +25,7 @@ from fsm_calib.stops import Interrupted, on_stop_signals
 
 COMMAND_MODULES: tuple[str, ...] = (
     "run",
+    "robot",
     "recording",
     "camera",
     "extrinsics",

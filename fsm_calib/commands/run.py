@@ -16,6 +16,13 @@ if TYPE_CHECKING:
     from fsm_calib.scenario.models import Scenario
 
 
+SAFETY = """The robot at {address} will turn on the spot and drive over the floor markers and into the lane, by itself.
+Ctrl-C, a crash, a program that hangs and a pressed emergency stop put its wheels to zero within 0.3 s.
+When the network itself fails while it drives, nothing here can stop it: a Duckiebot with ROS 1 keeps its last command.
+Stay within reach of it, and keep it off tables."""
+"""Said before a real robot's wheels turn."""
+
+
 def register(app: typer.Typer) -> None:
     """Add `run` to the command line."""
     app.command()(run)
@@ -38,19 +45,31 @@ def run(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")
     ] = False,
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="A real robot instead: ros1://HOST[:PORT]/VEHICLE.",
+            show_default=False,
+        ),
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real robot's wheels turn.")] = False,
     effects: EffectsOption = None,
     watch: Annotated[bool, typer.Option("--watch", help="Serve a page that shows the run.")] = False,
 ) -> None:
-    """Calibrate a robot as a scenario says: camera, wheels, exit, lane."""
+    """Calibrate a robot as a scenario says: camera, wheels, exit, lane; simulated, or a real one with --robot."""
     from fsm_calib.machines.calibration import CALIBRATION
+    from fsm_calib.runner.connecting import address_of, with_robot
     from fsm_calib.runner.progress import ProgressBar
     from fsm_calib.runner.run import run_scenario
     from fsm_calib.statechart.validate import check
     from fsm_calib.watch.area import write_area
 
-    loaded = with_seed(read_scenario(scenario), seed)
+    loaded = with_robot(with_seed(read_scenario(scenario), seed), robot)
     check(CALIBRATION)
     directory = run_directory(out, resume, overwrite=overwrite)
+    if loaded.robot.connect != "simulated":
+        confirm(str(address_of(loaded)), yes)
     if resume is None:
         write_area(directory, loaded)
     with watched(directory, watch):
@@ -60,6 +79,20 @@ def run(
     if finished.result["outcome"] != "done":
         typer.echo(reason(finished.result, scenario, directory), err=True)
         raise typer.Exit(1)
+
+
+def confirm(address: str, yes: bool) -> None:
+    """Say what a real robot will do and what nothing here can prevent, and ask.
+
+    Raises
+    ------
+    InputError
+        Nobody agreed.
+    """
+    typer.echo(SAFETY.format(address=address), err=True)
+    if yes or typer.confirm("Start?", err=True):
+        return
+    raise InputError("the run was not agreed to", where="--robot", cure="Answer y, or give --yes.")
 
 
 def read_scenario(path: Path) -> Scenario:

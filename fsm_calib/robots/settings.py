@@ -32,6 +32,8 @@ class LinkSettings:
         Farthest from the start by dead reckoning [m]; 0 takes it from the area: its farthest point and 1 m.
     lowest_battery : float
         A run is refused below this charge [%], where the robot tells it.
+    lockstep : bool
+        The robot is a served one whose time passes only when it is asked to, for tests.
     dither : bool
         Spread commands over Duckietown's whole PWM numbers, so that their mean is the command.
     """
@@ -46,6 +48,7 @@ class LinkSettings:
     fence: float = 0.0
     lowest_battery: float = 15.0
     dither: bool = True
+    lockstep: bool = False
 
     def __post_init__(self) -> None:
         """Refuse times that would stop every run, and commands that no driver takes.

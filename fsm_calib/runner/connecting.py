@@ -9,8 +9,11 @@ import numpy as np
 
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.journal import JOURNAL_NAME, read_journal
+from fsm_calib.perception.encoded import decode_colour
+from fsm_calib.report.run_plan import scene_corners
 from fsm_calib.robots.address import PORTS, RobotAddress, parse_address
 from fsm_calib.robots.connection import Connection
+from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.simulated import connect_simulated
 from fsm_calib.runner.logged import LoggedCommand
 from fsm_calib.scenario.models import Scenario
@@ -19,6 +22,10 @@ from fsm_calib.world2d.robot import World, WorldSpec
 
 POSE_TOLERANCE = 1e-9
 """How far a world that was driven again may be from the journal [m, rad]: rounding of another machine."""
+
+
+FENCE_MARGIN = 1.0
+"""From the area's farthest point to the fence [m]: dead reckoning from encoders is good to some 2 % of the way."""
 
 
 def connect(scenario: Scenario, spec: WorldSpec) -> Connection:
@@ -33,7 +40,20 @@ def connect(scenario: Scenario, spec: WorldSpec) -> Connection:
     """
     if scenario.robot.connect == "simulated":
         return connect_simulated(spec)
-    raise InputError(f"no socket for {address_of(scenario)}", where="robot.connect")
+    link = scenario.robot.link.build()
+    setup = GuardSetup(address_of(scenario), link, link.fence or farthest(spec), spec.start)
+    if setup.address.kind == "ros1":
+        from fsm_calib.robots.ros1.connect import connect_ros1
+
+        return connect_ros1(setup, decode_colour)
+    raise InputError("DTPS robots cannot be driven yet", where="robot.connect", cure="Use ros1.")
+
+
+def farthest(spec: WorldSpec) -> float:
+    """Return how far from the start anything of the area is, and a margin [m]: where the fence stands."""
+    points = np.vstack([np.empty((0, 2)), *scene_corners(spec.scene)])
+    away = np.hypot(points[:, 0] - spec.start.x, points[:, 1] - spec.start.y)
+    return float(away.max(initial=0.0)) + FENCE_MARGIN
 
 
 def address_of(scenario: Scenario) -> RobotAddress:

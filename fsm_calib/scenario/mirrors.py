@@ -13,6 +13,7 @@ from fsm_calib.actions.settings import ActionSettings
 from fsm_calib.machines.limits import PUBLISHED as PUBLISHED_LIMITS
 from fsm_calib.machines.limits import Limits
 from fsm_calib.machines.supervisor import PHASES
+from fsm_calib.robots.served.settings import ServeSettings
 from fsm_calib.robots.settings import LinkSettings
 from fsm_calib.scenario.section import Section, mirror, mirror_of
 from fsm_calib.types import BoardSpec, CameraMount, Pose2
@@ -99,6 +100,7 @@ if TYPE_CHECKING:  # what a mirror holds is known when it is made, not before
     WearSection: TypeAlias = Any
     WorldSection: TypeAlias = Any
     LinkSection: TypeAlias = Any
+    ServeSection: TypeAlias = Any
 else:
     Phase = Literal[PHASES]
     Published = Literal[(*PUBLISHED_ACTIONS, *PUBLISHED_LIMITS)]
@@ -117,5 +119,6 @@ else:
     WearSection = mirror_of(Wear)
     WorldSection = mirror_of(WorldSettings)
     LinkSection = mirror_of(LinkSettings)
+    ServeSection = mirror_of(ServeSettings)
     _faults = [mirror(target, kind=kind) for kind, target in FAULT_KINDS.items()]
     FaultSection = Annotated[reduce(or_, _faults), Field(discriminator="kind")]

@@ -25,6 +25,7 @@ from fsm_calib.scenario.mirrors import (
     Published,
     RoadSection,
     SensorSection,
+    ServeSection,
     WallSection,
     WearSection,
     WorldSection,
@@ -124,6 +125,7 @@ class RobotSection(Section):
         description="Port of the ROS master (11311) or DTPS switchboard (11511).",
     )
     link: LinkSection = LinkSection()
+    serve: ServeSection = ServeSection()
     source: Literal["nominal", "fleet"] = Field(
         default="fleet",
         description="`nominal`: equal wheels and the fleet's median camera; `fleet`: drawn with the seed "

@@ -111,6 +111,14 @@ class Node:
         published, _, _ = self.master.call("getSystemState", self.name)
         return tuple(name for where, names in published if where == topic for name in names)
 
+    def is_alive(self, name: str) -> bool:
+        """Tell whether a node answers: the master keeps the names of those that were killed."""
+        try:
+            Caller(self.master.call("lookupNode", self.name, name), name).call("getPid", self.name)
+        except LinkLost:
+            return False
+        return True
+
     def _accept(self) -> None:
         """Take connections until the node is closed."""
         while True:

@@ -1,0 +1,75 @@
+"""`fsm-calib robot`: a simulated Duckiebot on a network, and an owner's first test of a real one."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fsm_calib.errors import LinkLost
+
+if TYPE_CHECKING:
+    from fsm_calib.robots.ros1.master import Master
+
+robot_app = typer.Typer(no_args_is_help=True, help="Serve a simulated Duckiebot; check a real one.")
+
+
+def register(app: typer.Typer) -> None:
+    """Add `robot` to the command line."""
+    app.add_typer(robot_app, name="robot")
+
+
+@robot_app.command()
+def serve(
+    scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)],
+    host: Annotated[str, typer.Option(help="Where to listen.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Port of the ROS master.")] = 11311,
+    seed: Annotated[
+        int | None, typer.Option(help="Another seed than the scenario's.", show_default=False)
+    ] = None,
+    lockstep: Annotated[
+        bool, typer.Option("--lockstep", help="Let time pass only when a client asks for it.")
+    ] = False,
+) -> None:
+    """Serve the scenario's simulated robot as a Duckiebot with ROS 1; `robot.serve` holds its delays and losses."""
+    from fsm_calib.commands.run import read_scenario, with_seed
+    from fsm_calib.perception.encoded import encode_jpeg
+    from fsm_calib.robots.ros1.served_node import ServedNode
+    from fsm_calib.runner.run import Stopped, stop_on_signals
+    from fsm_calib.scenario.world import world_of
+    from fsm_calib.world2d.robot import make_world
+
+    loaded = with_seed(read_scenario(scenario), seed)
+    vehicle = (loaded.robot.vehicle or loaded.robot.name).replace("-", "_")
+    master = _own_master(host, port)
+    served = ServedNode(
+        make_world(world_of(loaded)),
+        loaded.robot.serve.build(),
+        f"http://{host}:{port}/",
+        vehicle,
+        encode_jpeg,
+        lockstep,
+    )
+    own = "" if master is None else " with its own ROS master"
+    typer.echo(f"{vehicle} stands in {loaded.name}{own}. Drive it with:", err=True)
+    typer.echo(f"fsm-calib run {scenario} --robot ros1://{host}:{port}/{vehicle}")
+    with contextlib.suppress(Stopped), stop_on_signals():
+        threading.Event().wait()
+    served.close()
+    if master is not None:
+        master.close()
+
+
+def _own_master(host: str, port: int) -> Master | None:
+    """Return a master of our own where none answers."""
+    from fsm_calib.robots.ros1.calls import Caller
+    from fsm_calib.robots.ros1.master import Master
+
+    try:
+        Caller(f"http://{host}:{port}/", "the ROS master").call("getPid", "/fsm_calib")
+    except LinkLost:
+        return Master(host, port)
+    return None

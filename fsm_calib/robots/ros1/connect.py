@@ -1,0 +1,27 @@
+"""Connects to a Duckiebot with ROS 1."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsm_calib.robots.connection import Connection
+from fsm_calib.robots.guard.setup import GuardSetup
+from fsm_calib.robots.ros1.camera import Decode
+from fsm_calib.robots.ros1.robot import Ros1Robot
+from fsm_calib.types import FloatArray
+
+
+def connect_ros1(setup: GuardSetup, decode: Decode) -> Connection:
+    """Return the connection to a robot; its path is dead-reckoned by the guard.
+
+    Raises
+    ------
+    RobotLost
+        The robot does not answer, or must not be driven.
+    """
+    robot = Ros1Robot(setup, decode)
+
+    def track() -> FloatArray:
+        return np.array(robot.guard.path, dtype=float).reshape(-1, 4)
+
+    return Connection(robot, None, lambda: list(robot.guard.pose), track, robot.close)

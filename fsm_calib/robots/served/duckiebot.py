@@ -1,0 +1,163 @@
+"""A simulated Duckiebot with everything between its ports and a network: a queue of events in its own time.
+
+Commands act after a delay, floored to whole PWM numbers; frames are published after theirs, some never, some late;
+encoders tick. Nothing here knows a network: what is published goes to an `Outlet`.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsm_calib.robots.guard.pwm import floored
+from fsm_calib.robots.served.settings import ServeSettings
+from fsm_calib.types import STOP, WheelCalibration, WheelCommand
+from fsm_calib.world2d.robot import World
+
+RESOLUTION = 135
+"""Ticks of one turn of a wheel (Duckietown's encoders)."""
+SERVE_STREAM = 21
+"""Which random stream of the seed delays and losses are drawn from."""
+
+
+class Outlet(Protocol):
+    """Where a served robot publishes."""
+
+    def frame(self, number: int, stamp: float, image: NDArray[np.uint8]) -> None:
+        """Publish frame `number`, stamped with the robot's time [s]."""
+        ...
+
+    def executed(self, command: WheelCommand, time: float) -> None:
+        """Tell that a command has been applied at `time` [s]."""
+        ...
+
+    def ticks(self, side: str, count: int, time: float) -> None:
+        """Publish the count of a wheel's encoder at `time` [s]."""
+        ...
+
+
+@dataclass(eq=False)
+class ServedDuckiebot:
+    """The robot in its own time [s], from 0.
+
+    Parameters
+    ----------
+    world : World
+        The simulated world.
+    settings : ServeSettings
+        Delays and losses.
+    outlet : Outlet
+        Where it publishes.
+    """
+
+    world: World
+    settings: ServeSettings
+    outlet: Outlet
+
+    def __post_init__(self) -> None:
+        """Begin with the first exposure and the first ticks."""
+        self._rng = np.random.default_rng([self.world.spec.seed, SERVE_STREAM])
+        self._events: list[tuple[float, int, Callable[[], None]]] = []
+        self._order = itertools.count()
+        self._exposed = self.applied = 0
+        self.last_frame = -1
+        self._next_command = 0.0
+        self._acting = STOP
+        self._seen_at = self.world.truth.pose
+        self._held_sign = [1.0, 1.0]
+        self._counts = [0.0, 0.0]
+        self.is_stopped = False
+        self.is_watched = True
+        self._later(0.0, self._expose)
+        self._later(0.0, self._tick)
+
+    @property
+    def now(self) -> float:
+        """The robot's time [s]."""
+        return self.world.robot.now()
+
+    def take(self, command: WheelCommand) -> None:
+        """A command arrives; it acts after the driver's delay, and never before an earlier one."""
+        settings = self.settings
+        delay = max(settings.command_latency + settings.command_jitter * self._rng.standard_normal(), 0.0)
+        self._next_command = max(self.now + delay, self._next_command)
+        self._later(self._next_command, lambda: self._apply(command))
+
+    def run_until(self, time: float) -> None:
+        """Let the time pass until `time` [s], with everything that happens on the way."""
+        while self._events and self._events[0][0] <= time:
+            at, _, event = heapq.heappop(self._events)
+            self._advance(at)
+            event()
+        self._advance(time)
+
+    def _later(self, time: float, event: Callable[[], None]) -> None:
+        heapq.heappush(self._events, (time, next(self._order), event))
+
+    def _advance(self, time: float) -> None:
+        """Move the world on, in whole steps."""
+        step = self.world.spec.settings.step
+        ticks = round(time / step) - round(self.now / step)
+        if ticks > 0:
+            self.world.robot.wait(ticks * step)
+
+    def _apply(self, command: WheelCommand) -> None:
+        """The driver applies a command; a pressed stop makes it zero."""
+        asked = STOP if self.is_stopped else command
+        self._turn_wheels()
+        acting = asked
+        if self.settings.pwm_steps:
+            acting = WheelCommand(floored(asked.left), floored(asked.right))
+        for side, value in enumerate((acting.left, acting.right)):
+            if value != 0.0:
+                self._held_sign[side] = math.copysign(1.0, value)
+        if acting != self._acting:
+            self.world.robot.command(acting)
+            self._acting = acting
+        self.applied += 1
+        self.outlet.executed(asked, self.now)
+
+    def _expose(self) -> None:
+        """Take a frame where somebody looks, and send it on its way."""
+        number, settings = self._exposed, self.settings
+        self._exposed += 1
+        self._later(self._exposed / settings.rate, self._expose)
+        latency = settings.camera_latency + settings.camera_jitter * self._rng.standard_normal()
+        dropped, late = self._rng.random(2) < (settings.dropped, settings.late)
+        if dropped or not self.is_watched:
+            return
+        frame = self.world.robot.capture()
+        if frame is None:
+            return
+        stamp = self.now + max(latency, 0.0)
+        arrival = stamp + (settings.late_by if late else 0.0)
+        self._later(arrival, lambda: self._publish(number, stamp, frame.image))
+
+    def _publish(self, number: int, stamp: float, image: NDArray[np.uint8]) -> None:
+        self.last_frame = number
+        self.outlet.frame(number, stamp + self.settings.clock_offset, image)
+
+    def _tick(self) -> None:
+        """Publish the encoders' counts."""
+        self._turn_wheels()
+        for side, name in enumerate(("left", "right")):
+            self.outlet.ticks(name, int(self._counts[side]), self.now)
+        self._later(self.now + 1.0 / self.settings.rate, self._tick)
+
+    def _turn_wheels(self) -> None:
+        """Count the wheels' turns since the last time; the sign is that of the last command, as Duckietown's is."""
+        before, now = self._seen_at, self.world.truth.pose
+        self._seen_at = now
+        heading = 0.5 * (before.theta + now.theta)
+        forward = (now.x - before.x) * math.cos(heading) + (now.y - before.y) * math.sin(heading)
+        turn = 0.5 * self.world.spec.robot.axle_length * (now.theta - before.theta)
+        for side, sign in enumerate((-1.0, 1.0)):
+            turns = abs(forward + sign * turn) / (2.0 * math.pi * WheelCalibration().wheel_radius)
+            self._counts[side] += self._held_sign[side] * turns * RESOLUTION

@@ -1,0 +1,216 @@
+"""Whatever fails, the wheels stop: the zero arrives at the driver within 0.3 s."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from ros_rig import free_port, small_master, until
+
+from fsm_calib.errors import EmergencyStopped
+from fsm_calib.robots.address import RobotAddress
+from fsm_calib.robots.guard.client import GuardClient
+from fsm_calib.robots.guard.setup import GuardSetup
+from fsm_calib.robots.ros1.messages import BOOL, IMAGE, WHEELS, message_type
+from fsm_calib.robots.ros1.node import Node
+from fsm_calib.robots.ros1.topics import Topics
+
+LIMIT = 0.3
+"""The wheels' time to zero [s]."""
+PROGRAM = Path(__file__).parent / "guarded_program.py"
+
+
+class Driver:
+    """A wheel driver as Duckietown's: no watchdog; acknowledges what it gets, and keeps when."""
+
+    def __init__(self, master: str) -> None:
+        self.topics = Topics("duckie")
+        self.node = Node("/duckie/wheels_driver_node", master)
+        self.echo = self.node.publish(self.topics.executed, WHEELS)
+        self.node.publish(self.topics.image, IMAGE)
+        self.moving = False
+        self.last_change = 0.0
+        self.acknowledges = True
+        self.node.subscribe(self.topics.wheels, WHEELS, self.take)
+
+    def take(self, body: bytes) -> None:
+        message = message_type(WHEELS).decode(body)
+        moving = message.vel_left != 0.0 or message.vel_right != 0.0
+        if moving != self.moving:
+            self.moving, self.last_change = moving, time.monotonic()
+        if self.acknowledges:
+            self.echo.publish(message)
+
+
+@pytest.fixture
+def rig() -> Iterator[tuple[Driver, str]]:
+    with small_master() as url:
+        driver = Driver(url)
+        yield driver, url
+        driver.node.close()
+
+
+class Program:
+    """The driving program in a process of its own."""
+
+    def __init__(self, url: str, *options: str) -> None:
+        address = url.replace("http", "ros1") + "duckie"
+        self.process = subprocess.Popen(
+            [sys.executable, str(PROGRAM), address, *options],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            start_new_session=True,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
+        )
+        self.lines: list[dict] = []
+        threading.Thread(target=self._read, daemon=True).start()
+        until(lambda: self.lines, "the program drives")
+        self.guard = self.lines[0]["guard"]
+
+    def _read(self) -> None:
+        for text in self.process.stdout or ():
+            self.lines.append(json.loads(text))
+
+    def end(self) -> None:
+        for number in (signal.SIGCONT, signal.SIGKILL):
+            self.process.send_signal(number)
+        self.process.wait()
+
+
+def stop_time(driver: Driver, fail: Callable[[], object]) -> float:
+    """Return how long after a failure the driver got its zero [s]; fails when it never does."""
+    until(lambda: driver.moving, "the wheels turn")
+    began = time.monotonic()
+    fail()
+    until(lambda: not driver.moving, "the wheels stop")
+    return driver.last_change - began
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL, signal.SIGSTOP])
+def test_the_wheels_stop_when_the_program_gets_a_signal(
+    rig: tuple[Driver, str], number: signal.Signals
+) -> None:
+    program = Program(rig[1])
+    try:
+        assert stop_time(rig[0], lambda: program.process.send_signal(number)) < LIMIT
+    finally:
+        program.end()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL, signal.SIGSTOP])
+def test_the_wheels_stop_when_the_guard_gets_a_signal(
+    rig: tuple[Driver, str], number: signal.Signals
+) -> None:
+    program = Program(rig[1])
+    try:
+        assert stop_time(rig[0], lambda: os.kill(program.guard, number)) < LIMIT
+        until(lambda: len(program.lines) > 1, "the program is told")
+        assert program.lines[1]["lost"] == "LinkLost"
+    finally:
+        program.end()
+
+
+def test_the_wheels_stop_when_the_program_computes_for_ever(rig: tuple[Driver, str]) -> None:
+    program = Program(rig[1], "hang")
+    try:
+        until(lambda: rig[0].moving, "the wheels turn")
+        until(lambda: not rig[0].moving, "the wheels stop")
+    finally:
+        program.end()
+
+
+def test_the_wheels_stop_at_an_emergency_stop(rig: tuple[Driver, str]) -> None:
+    driver, url = rig
+    button = driver.node.publish(driver.topics.estop, BOOL)
+    program = Program(url)
+    until(lambda: button.listeners, "the guard listens to the button")
+    pressed = message_type(BOOL).stamped(0.0, data=True)
+    try:
+        assert stop_time(driver, lambda: button.publish(pressed)) < LIMIT
+        until(lambda: len(program.lines) > 1, "the program is told")
+        assert program.lines[1]["lost"] == "EmergencyStopped"
+    finally:
+        program.end()
+
+
+def test_the_wheels_stop_when_somebody_else_drives(rig: tuple[Driver, str]) -> None:
+    driver, url = rig
+    program = Program(url)
+    foreign = message_type(WHEELS).stamped(0.0, vel_left=-0.7, vel_right=0.7)
+    try:
+        assert stop_time(driver, lambda: driver.echo.publish(foreign)) < LIMIT
+    finally:
+        program.end()
+
+
+def test_the_wheels_stop_when_the_driver_acknowledges_nothing_any_more(rig: tuple[Driver, str]) -> None:
+    driver, url = rig
+    program = Program(url)
+    try:
+        until(lambda: driver.moving, "the wheels turn")
+        driver.acknowledges = False
+        until(lambda: not driver.moving, "the wheels stop")
+    finally:
+        program.end()
+
+
+def test_the_wheels_stop_when_the_master_is_killed() -> None:
+    port = free_port()
+    text = f"from fsm_calib.robots.ros1.master import Master; Master('127.0.0.1', {port}); input()"
+    search = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    master = subprocess.Popen([sys.executable, "-c", text], stdin=subprocess.PIPE, env=search)
+    url = f"http://127.0.0.1:{port}/"
+    drivers: list[Driver] = []
+
+    def is_up() -> bool:
+        try:
+            drivers.append(Driver(url))
+        except Exception:
+            return False
+        return True
+
+    until(is_up, "the master answers")
+    program = Program(url)
+    try:
+        assert stop_time(drivers[0], master.kill) < LIMIT
+    finally:
+        program.end()
+        master.wait()
+
+
+def test_a_second_publisher_of_wheel_commands_is_refused_by_its_name(rig: tuple[Driver, str]) -> None:
+    driver, url = rig
+    joystick = Node("/duckie/joystick", url)
+    joystick.publish(driver.topics.wheels, WHEELS)
+    port = int(url.rstrip("/").rsplit(":", 1)[1])
+    with pytest.raises(EmergencyStopped, match="/duckie/joystick publishes wheel commands"):
+        GuardClient(GuardSetup(RobotAddress("ros1", "127.0.0.1", port, "duckie")), lambda: None)
+    joystick.close()
+
+
+def test_a_timed_push_is_as_long_as_it_was_asked(rig: tuple[Driver, str]) -> None:
+    driver, url = rig
+    port = int(url.rstrip("/").rsplit(":", 1)[1])
+    guard = GuardClient(GuardSetup(RobotAddress("ros1", "127.0.0.1", port, "duckie")), lambda: None)
+    begun: list[float] = []
+
+    def watch() -> None:
+        until(lambda: driver.moving, "the push begins")
+        begun.append(driver.last_change)
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    guard.ask("run", 0.3, 0.0, 0.1, timeout=10.0)
+    watcher.join()
+    until(lambda: not driver.moving, "the push ends")
+    guard.close()
+    assert driver.last_change - begun[0] == pytest.approx(0.1, abs=0.05)
