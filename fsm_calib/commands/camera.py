@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
+from fsm_calib.commands.camera_options import camera_writer, compare_cameras, parse_request, solve_settings
 from fsm_calib.commands.files import check_places, tell_result, write_file
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.types import BoardSpec
@@ -18,6 +19,13 @@ if TYPE_CHECKING:
     from fsm_calib.perception.calibration import CameraCalibration
     from fsm_calib.perception.photos import PhotoSet
 
+_KINDS = (
+    "chessboard",
+    "charuco",
+    "aprilgrid",
+    "circles",
+    "asymmetric_circles",
+)  # as in perception.grid_boards
 _POLL = 0.2  # s between two looks into a folder that fills
 
 
@@ -29,63 +37,72 @@ def register(app: typer.Typer) -> None:
 
 def calibrate_camera(
     images: Annotated[
-        list[Path], typer.Argument(help="Photos of one chessboard by one camera.", show_default=False)
-    ],
+        list[Path] | None,
+        typer.Argument(help="Photos, folders or videos of one board by one camera.", show_default=False),
+    ] = None,
     board: Annotated[
-        list[str], typer.Option(help="Inner corners, COLUMNSxROWS.", metavar="9x6", show_default=False)
-    ],
-    square: Annotated[float, typer.Option(help="Side of a square [m]; it scales distances only.")] = 0.025,
+        list[str] | None,
+        typer.Option(
+            help="COLUMNSxROWS: a chessboard's inner corners, ChArUco's squares, tags or circles.",
+            metavar="9x6",
+            show_default=False,
+        ),
+    ] = None,
+    square: Annotated[
+        float,
+        typer.Option(help="Side of a square or tag, or pitch of circles [m]; it scales distances only."),
+    ] = 0.025,
+    kind: Annotated[str, typer.Option(help=f"What is printed: {', '.join(_KINDS)}.")] = _KINDS[0],
+    marker: Annotated[
+        float | None, typer.Option(help="Side of a ChArUco marker [m]; 0.75 squares.", show_default=False)
+    ] = None,
+    dictionary: Annotated[str, typer.Option(help="A ChArUco board's markers.")] = "DICT_4X4_1000",
+    gap: Annotated[float, typer.Option(help="AprilGrid: gap between tags, in sides of a tag.")] = 0.3,
+    coefficients: Annotated[
+        int | None, typer.Option(help="Use so many (4, 5 or 8) and do not choose.", show_default=False)
+    ] = None,
     json_file: Annotated[
         Path | None, typer.Option("--json", help="Write the result as JSON; - for standard output.")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Write a camera_info YAML (ROS, Duckietown).")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Write the camera as YAML, in the form of --format.")
+    ] = None,
+    form: Annotated[str, typer.Option("--format", help="ros, duckietown, opencv or kalibr.")] = "ros",
     report: Annotated[
         Path | None, typer.Option(help="Write a page with the error map and residuals.")
     ] = None,
     name: Annotated[str, typer.Option(help="Name of the camera in the YAML.")] = "camera",
+    compare: Annotated[
+        tuple[Path, Path] | None,
+        typer.Option(metavar="A.yaml B.yaml", help="Compare two cameras' files instead.", show_default=False),
+    ] = None,
 ) -> None:
     """Calibrate a camera from photos and say how good the result is."""
+    if compare is not None:
+        compare_cameras(*compare)
+        return
     from fsm_calib.perception.intrinsics import calibrate
+    from fsm_calib.perception.photo_sources import photo_files
     from fsm_calib.perception.photos import find_in_photos
 
-    spec = parse_board(board, square)
+    if not images or not board:
+        raise InputError("photos and --board are needed", cure="For example: photos/ --board 9x6.")
+    asked = parse_request(board, square, kind, marker, gap, dictionary)
+    spec = asked.spec()
+    finder = None if asked.kind == "chessboard" else asked.finder()
+    settings = solve_settings(coefficients)
+    write = camera_writer(form)
     check_places(json_file, out, report)
-    photos = find_in_photos(images, spec)
-    result = calibrate(photos.views, spec, photos.image_size)
-    tell_result(result_json(result, photos), summary_text(result, photos, len(images)), json_file)
+    photos = find_in_photos(photo_files(images), spec, finder=finder)
+    result = calibrate(photos.views, spec, photos.image_size, may_be_bent=True, settings=settings)
+    given = len(photos.views) + len(photos.dropped)
+    tell_result(result_json(result, photos), summary_text(result, photos, given), json_file)
     if report is not None:
         _write_report(report, result, photos, spec)
     if result.refused:
         raise DataError(f"the calibration is refused: {result.reason}", cure="Take views of the whole image.")
     if out is not None:
-        _write_camera_info(out, result, name)
-
-
-def parse_board(texts: Sequence[str], square: float) -> BoardSpec:
-    """Return the board of ``--board COLUMNSxROWS`` and ``--square``.
-
-    Raises
-    ------
-    InputError
-        More than one board, not of the form, smaller than 3x3, or no positive square.
-    """
-    if len(texts) > 1:
-        raise InputError(
-            f"{len(texts)} boards are given", where="--board", cure="Calibrate with one board at a time."
-        )
-    match = re.fullmatch(r"(\d+)[xX](\d+)", texts[0].strip())
-    if match is None:
-        raise InputError(
-            f"{texts[0]!r} is no board", where="--board", cure="Expected COLUMNSxROWS, such as 9x6."
-        )
-    columns, rows = int(match[1]), int(match[2])
-    if min(columns, rows) < 3:
-        raise InputError(
-            f"a board of {columns}x{rows} is too small", where="--board", cure="Use 3x3 or larger."
-        )
-    if not 0.0 < square < 10.0:
-        raise InputError(f"a square of {square} m", where="--square", cure="Expected metres, such as 0.025.")
-    return BoardSpec(columns, rows, square)
+        write_file(out, write(result.camera, name, _origin(result)))
 
 
 def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str:
@@ -107,6 +124,16 @@ def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str
         errors = f"{trial.rms_px:.3f} rms, {trial.cross_validated_px:.3f} left out,"
         errors += f" {trial.predicted_px:.2f} predicted"
         lines.append(f"{trial.coefficients} coefficients      {errors}: {trial.verdict}")
+    if result.board_warp is not None:
+        warp = result.board_warp
+        lines.append(
+            f"the board is bent   {1e3 * warp.across:+.2f} mm across, {1e3 * warp.along:+.2f} mm along"
+        )
+    lines += [
+        f"take again          {photos.views[result.used[view]].source}: {result.view_rms[view]:.2f} px, "
+        f"the median photo {np.median(result.view_rms):.2f} px"
+        for view in result.worst_views
+    ]
     dropped = (*photos.dropped, *result.views_dropped)
     lines += [f"left out            {view.source}: {view.reason}" for view in dropped]
     return "\n".join([*lines, verdict(result)])
@@ -120,26 +147,35 @@ def result_json(result: CameraCalibration, photos: PhotoSet) -> dict[str, Any]:
     dropped = [{"file": drop.source, "reason": drop.reason} for drop in photos.dropped]
     data["views_dropped"] = dropped + data["views_dropped"]
     data["boards_found"] = len(photos.views)
+    data["views"] = [
+        {
+            "file": photos.views[index].source,
+            "rms_px": float(rms),
+            "corners": int(np.isfinite(residuals[:, 0]).sum()),
+            "retake": view in result.worst_views,
+        }
+        for view, (index, rms, residuals) in enumerate(
+            zip(result.used, result.view_rms, result.residuals, strict=True)
+        )
+    ]
     return data
 
 
 def _write_report(report: Path, result: CameraCalibration, photos: PhotoSet, spec: BoardSpec) -> None:
-    from fsm_calib.perception.photos import read_photo
+    from fsm_calib.perception.photos import read_source
     from fsm_calib.report.camera_report import camera_report
 
     source = photos.views[0].source
-    example = (Path(source).name, read_photo(Path(source), colour=True))
+    example = (Path(source).name, read_source(source))
     write_file(report, camera_report(result, photos.views, spec, example))
 
 
-def _write_camera_info(out: Path, result: CameraCalibration, name: str) -> None:
-    from fsm_calib.perception.camera_files import write_intrinsics
-
-    comment = (
+def _origin(result: CameraCalibration) -> str:
+    """Return where a camera file's numbers come from, for its head."""
+    return (
         f"rms {result.rms_px:.3f} px, on views left out {result.cross_validated_px:.3f} px, "
         f"predicted over the image {result.predicted_px:.2f} px, {result.views_used} views"
     )
-    write_intrinsics(out, result.camera, name, comment)
 
 
 def focus(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fsm_calib.commands.camera import parse_board
+from fsm_calib.commands.camera_options import parse_board
 from fsm_calib.commands.files import check_places, tell_result
 from fsm_calib.errors import InputError
 

@@ -6,10 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fsm_calib.perception.board_warp import BoardWarp
 from fsm_calib.perception.coverage import Coverage
 from fsm_calib.perception.lens import INTRINSICS
 from fsm_calib.perception.prediction import ImageError
 from fsm_calib.types import CameraModel, CameraMount, FloatArray
+
+RETAKE_RATIO = 2.0
+"""A photo whose error is so many times the median photo's is worth taking again [1]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +86,8 @@ class CameraCalibration:
         The result failed the gate of sanity; `reason` says why.
     mount : CameraMount, optional
         Height, pitch and roll when boards that stand still gave them.
+    board_warp : BoardWarp, optional
+        How the board is bent, where views left out agreed better with a bent one.
     """
 
     camera: CameraModel
@@ -105,6 +111,20 @@ class CameraCalibration:
     refused: bool = False
     reason: str = ""
     mount: CameraMount | None = None
+    board_warp: BoardWarp | None = None
+
+    @property
+    def view_rms(self) -> FloatArray:
+        """Root mean square corner distance of each used view, shape (views_used,) [px]."""
+        squares = np.sum(self.residuals**2, axis=2)
+        return np.asarray(np.sqrt(np.nanmean(squares, axis=1)))
+
+    @property
+    def worst_views(self) -> tuple[int, ...]:
+        """Numbers among the used views of those to take again, the worst first: twice the median view's error."""
+        rms = self.view_rms
+        bad = np.flatnonzero(rms > RETAKE_RATIO * np.median(rms))
+        return tuple(int(view) for view in bad[np.argsort(-rms[bad])])
 
     @property
     def parameter_deviation(self) -> dict[str, float]:

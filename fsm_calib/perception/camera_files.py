@@ -11,6 +11,7 @@ image_processing/calibration_utils.py.
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -165,6 +166,7 @@ def calibration_json(calibration: CameraCalibration) -> dict[str, Any]:
             }
             for trial in calibration.models
         ],
+        "board_warp_m": None if calibration.board_warp is None else asdict(calibration.board_warp),
         "refused": calibration.refused,
         "reason": calibration.reason,
     }

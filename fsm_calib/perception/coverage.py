@@ -16,6 +16,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from fsm_calib.types import BoardSpec, BoardView, FloatArray
@@ -40,13 +41,12 @@ class Coverage:
 
 def view_parameters(view: BoardView, board: BoardSpec, image_size: tuple[int, int]) -> FloatArray:
     """Return (p_x, p_y, p_size, p_skew) of one view, each in [0, 1]."""
-    grid = view.corners_image.reshape(board.rows, board.columns, 2)
-    up_left, up_right, down_right, down_left = grid[0, 0], grid[0, -1], grid[-1, -1], grid[-1, 0]
+    up_left, up_right, down_right, down_left = _outer_corners(view, board)
     across, down = down_right - up_left, down_left - up_right
     area = abs(float(across[0] * down[1] - across[1] * down[0])) / 2.0
     border = math.sqrt(area)
     width, height = image_size
-    centre = view.corners_image.mean(axis=0)
+    centre = np.nanmean(view.corners_image, axis=0)
     p_x = (centre[0] - border / 2.0) / max(width - border, 1.0)
     p_y = (centre[1] - border / 2.0) / max(height - border, 1.0)
     first, second = up_left - up_right, down_right - up_right
@@ -55,6 +55,27 @@ def view_parameters(view: BoardView, board: BoardSpec, image_size: tuple[int, in
     return np.array(
         [np.clip(p_x, 0, 1), np.clip(p_y, 0, 1), math.sqrt(area / (width * height)), min(1.0, skew)]
     )
+
+
+def _outer_corners(
+    view: BoardView, board: BoardSpec
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the corners of the smallest part of the grid that holds what was seen, from the upper left, clockwise.
+
+    Where one of them was not seen itself, it is where a homography of the others puts it.
+    """
+    seen = np.isfinite(view.corners_image[:, 0])
+    grid = view.corners_image.reshape(board.rows, board.columns, 2)
+    rows, columns = np.nonzero(seen.reshape(board.rows, board.columns))
+    low, high, left, right = rows.min(), rows.max(), columns.min(), columns.max()
+    places = [(low, left), (low, right), (high, right), (high, left)]
+    if all(np.isfinite(grid[place][0]) for place in places):
+        first, second, third, fourth = (grid[place] for place in places)
+        return first, second, third, fourth
+    matrix, _ = cv2.findHomography(np.column_stack([columns, rows]).astype(float), view.corners_image[seen])
+    wanted = np.array([[(column, row) for row, column in places]], dtype=float)
+    first, second, third, fourth = cv2.perspectiveTransform(wanted, matrix)[0]
+    return first, second, third, fourth
 
 
 def coverage(views: Sequence[BoardView], board: BoardSpec, image_size: tuple[int, int]) -> Coverage:

@@ -47,15 +47,28 @@ def by_pose(points_camera: FloatArray, by_point: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class FreeBoards:
-    """The problem: found corners, shape (views, n, 2) [px], of boards with corners (n, 3) [m]."""
+    """The problem: found corners, shape (views, n, 2) [px], of boards with corners (n, 3) [m].
+
+    Corners that were not seen are nan in `corners_image`; their residuals are 0, and `seen` has a 0 for them.
+    """
 
     corners_image: FloatArray
     points_board: FloatArray
 
+    @property
+    def seen(self) -> FloatArray:
+        """1 for corners that were seen, 0 for the others, shape (views, n)."""
+        return np.isfinite(self.corners_image[..., 0]).astype(float)
+
+    def _off(self, predicted: FloatArray) -> FloatArray:
+        """Return predicted minus found, shape (views, 2 n) [px]; 0 where nothing was seen."""
+        off = predicted - self.corners_image
+        return np.where(np.isfinite(off), off, 0.0).reshape(len(predicted), -1)
+
     def residuals(self, state: BoardPoses) -> FloatArray:
         """Return predicted minus found, shape (views, 2 n) [px]."""
         predicted = project(state.intrinsics, state.points_camera(self.points_board))
-        return (predicted - self.corners_image).reshape(len(predicted), -1)
+        return self._off(predicted)
 
     def linearize(self, state: BoardPoses) -> Linearized:
         """Return residuals and derivatives: 12 shared unknowns, 6 local ones per view."""
@@ -63,7 +76,7 @@ class FreeBoards:
         predicted, by_point, by_intrinsics = project_with_derivatives(state.intrinsics, points)
         views = len(points)
         return Linearized(
-            residual=(predicted - self.corners_image).reshape(views, -1),
+            residual=self._off(predicted),
             shared=by_intrinsics.reshape(views, -1, 12),
             local=by_pose(points, by_point),
             block=np.arange(views),
@@ -92,7 +105,9 @@ def start_poses(
     """
     rotations, shifts = [], []
     for corners in corners_image:
-        turn, shift = _in_front(plane_poses(points_board, unproject(intrinsics, corners)), choice)
+        seen = np.isfinite(corners[:, 0])
+        rays = unproject(intrinsics, corners[seen])
+        turn, shift = _in_front(plane_poses(points_board[seen], rays), choice)
         rotations.append(rotation_from_vector(turn))
         shifts.append(shift)
     return BoardPoses(np.array(intrinsics, dtype=float), np.array(rotations), np.array(shifts))
@@ -104,12 +119,13 @@ def fitted_poses(intrinsics: FloatArray, problem: FreeBoards) -> BoardPoses:
     A tilted board near the image's border that is read with a wrong lens looks like its mirror image, and no
     small step leads from there.
     """
-    kept, held = np.ones(problem.corners_image.shape[:2]), np.ones(intrinsics.size, dtype=bool)
+    kept, held = problem.seen, np.ones(intrinsics.size, dtype=bool)
     fits = []
     for choice in (0, 1):
         start = start_poses(intrinsics, problem.corners_image, problem.points_board, choice)
         fits.append(fit(problem, start, held, kept))
-    off = [np.median(corner_distances(found.residual), axis=1) for found in fits]
+    unseen = np.where(kept > 0.0, 0.0, np.nan)
+    off = [np.nanmedian(corner_distances(found.residual) + unseen, axis=1) for found in fits]
     first, second = (found.state for found in fits)
     is_mirrored = (off[1] < off[0])[:, None]
     rotation = np.where(is_mirrored[:, None], second.rotation, first.rotation)

@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsm_calib.errors import DataError, InputError
+from fsm_calib.perception.board_warp import BoardWarp, warp_step, warped
 from fsm_calib.perception.bundle import fit
-from fsm_calib.perception.calibration import CameraCalibration, DroppedView, fit_figures
+from fsm_calib.perception.calibration import CameraCalibration, DroppedView, ModelTrial, fit_figures
 from fsm_calib.perception.coverage import coverage
 from fsm_calib.perception.fleet_camera import fleet_start, why_not_a_duckiebot
 from fsm_calib.perception.free_boards import BoardPoses, FreeBoards, fitted_poses
@@ -30,6 +31,7 @@ from fsm_calib.perception.stages import (
     evaluated,
     fit_stages,
     held_intrinsics,
+    is_better,
     light_prior,
 )
 from fsm_calib.types import BoardSpec, BoardView, CameraModel, FloatArray
@@ -37,6 +39,7 @@ from fsm_calib.types import BoardSpec, BoardView, CameraModel, FloatArray
 _GOOD_START_OF_WIDTH = 1.0 / 640.0  # a start that reaches 1 px in 640 is taken without trying others
 _OTHER_FOCALS = (0.5, 0.8, 1.2, 2.0)  # image widths; starts for cameras unlike a Duckiebot's
 _OUTLIER_ROUNDS = 3
+_WARP_ROUNDS = 4  # steps of the board's bend; the last moves it by less than a micrometre
 
 
 def calibrate(
@@ -46,6 +49,7 @@ def calibrate(
     guess: CameraModel | None = None,
     *,
     is_duckiebot: bool = False,
+    may_be_bent: bool = False,
     settings: SolveSettings = DEFAULT_SOLVE,
 ) -> CameraCalibration:
     """Return the camera that explains the views, and how good it is.
@@ -53,13 +57,15 @@ def calibrate(
     Parameters
     ----------
     views : sequence of BoardView
-        Whole boards, all of the same size.
+        Boards of one form; corners that a view does not show are nan.
     board : BoardSpec
     image_size : (width, height) [px]
     guess : CameraModel, optional
         Where to start; the median Duckiebot camera when missing.
     is_duckiebot : bool
         Refuse cameras that no Duckiebot has.
+    may_be_bent : bool
+        Also fit a board that is not flat (`board_warp`), and keep it where views left out agree better with it.
 
     Raises
     ------
@@ -80,15 +86,43 @@ def calibrate(
         )
     problem = problem.taken(used)
     own = np.array([views[i].board for i in used])
+    stage, trials = _chosen(problem, start, kept, own, image_size, settings)
+    warp: BoardWarp | None = None
+    if may_be_bent:
+        bent, stage_bent, trials_bent = _bent(problem, stage, start, kept, own, image_size, settings)
+        if is_better(stage, stage_bent, settings):
+            warp, stage, trials = bent, stage_bent, trials_bent
+    result = summary(stage, kept, [views[i] for i in used], board, image_size)
+    result = replace(result, used=used, views_dropped=tuple(dropped), models=tuple(trials), board_warp=warp)
+    reason = _refusal(result, stage, image_size, is_duckiebot, settings)
+    return replace(result, refused=bool(reason), reason=reason)
+
+
+def _chosen(
+    problem: FreeBoards, start: BoardPoses, kept: FloatArray, own: np.ndarray, image_size: tuple[int, int],
+    settings: SolveSettings,
+) -> tuple[Stage, list[ModelTrial]]:  # fmt: skip
+    """Return the model chosen among those of all sizes, and the account of all of them."""
     stages = [
         evaluated(problem, fitted, kept, own, image_size, settings)
         for fitted in fit_stages(problem, start, kept, settings)
     ]
-    stage, trials = choose(stages, image_size, settings)
-    result = summary(stage, kept, [views[i] for i in used], board, image_size)
-    result = replace(result, used=used, views_dropped=tuple(dropped), models=tuple(trials))
-    reason = _refusal(result, stage, image_size, is_duckiebot, settings)
-    return replace(result, refused=bool(reason), reason=reason)
+    return choose(stages, image_size, settings)
+
+
+def _bent(
+    problem: FreeBoards, flat: Stage, start: BoardPoses, kept: FloatArray, own: np.ndarray,
+    image_size: tuple[int, int], settings: SolveSettings,
+) -> tuple[BoardWarp, Stage, list[ModelTrial]]:  # fmt: skip
+    """Return the board's bend, and the model chosen with it."""
+    held, prior = held_intrinsics(flat.coefficients), light_prior(settings.light_prior)
+    sizes, solution, now = np.zeros(2), flat.solution, problem
+    for _ in range(_WARP_ROUNDS):
+        sizes = sizes + warp_step(now, solution, held)
+        warp = BoardWarp(*sizes.tolist())
+        now = replace(problem, points_board=warped(problem.points_board, warp))
+        solution = fit(now, solution.state, held, kept, prior=prior)
+    return warp, *_chosen(now, start, kept, own, image_size, settings)
 
 
 def summary(
@@ -151,7 +185,7 @@ def _start(problem: FreeBoards, image_size: tuple[int, int], guess: CameraModel 
         plain[2:4] = (np.array(image_size) - 1.0) / 2.0
         others.append(plain)
     limit = _GOOD_START_OF_WIDTH * image_size[0]
-    kept = np.ones(problem.corners_image.shape[:2])
+    kept = problem.seen
     return best_start([first, *others], problem, kept, lambda rms: rms < limit)
 
 
@@ -187,12 +221,13 @@ def _judged(
 ) -> _Used:
     """Leave out corners far off and views that lost many of them, refit, and judge again."""
     used, dropped = np.arange(len(views)), []
-    kept = np.ones(problem.corners_image.shape[:2])
+    kept = problem.seen
     largest, prior = max(settings.coefficients), light_prior(settings.light_prior)
     for _ in range(_OUTLIER_ROUNDS):
         solution = fit(problem.taken(used), start, held_intrinsics(largest), kept, prior=prior)
-        found = kept_corners(solution.residual, np.ones_like(kept), settings)
-        bad = bad_views(solution.residual, found, settings)
+        seen = problem.seen[used]
+        found = kept_corners(solution.residual, seen, settings)
+        bad = bad_views(solution.residual, found, settings, seen)
         is_settled = not bad and bool(np.all(found == kept))
         dropped += [DroppedView(int(used[i]), views[used[i]].source, reason) for i, reason in bad.items()]
         stay = np.array([i for i in range(used.size) if i not in bad], dtype=int)

@@ -19,9 +19,12 @@ def kept_corners(residual: FloatArray, kept: FloatArray, settings: SolveSettings
     return np.asarray(kept * (corner_distances(residual) <= limit))
 
 
-def bad_views(residual: FloatArray, kept: FloatArray, settings: SolveSettings) -> dict[int, str]:
-    """Return the views to drop and why: too many outliers, or far worse than the others."""
-    lost = 1.0 - kept.mean(axis=1)
+def bad_views(
+    residual: FloatArray, kept: FloatArray, settings: SolveSettings, seen: FloatArray | None = None
+) -> dict[int, str]:
+    """Return the views to drop and why: too many outliers among the corners `seen`, or far worse than the others."""
+    shown = np.full(len(kept), kept.shape[1]) if seen is None else np.maximum(seen.sum(axis=1), 1.0)
+    lost = 1.0 - kept.sum(axis=1) / shown
     squares = np.where(kept > 0.0, corner_distances(residual), 0.0) ** 2
     rms = np.sqrt(squares.sum(axis=1) / np.maximum(kept.sum(axis=1), 1.0))
     typical = float(np.median(rms))

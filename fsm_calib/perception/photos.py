@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.perception.calibration import DroppedView
 from fsm_calib.perception.chessboard import DEFAULT_DETECTOR, DetectorSettings, board_size_in, inspect_board
+from fsm_calib.perception.grid_boards import Finder
+from fsm_calib.perception.photo_sources import Shot, is_another_view, is_video, read_frame, video_shots
 from fsm_calib.types import BoardSpec, BoardView
 
 _SIZE_CHECKS = 2  # first photos in which the board's whole size is looked for: 0.1 s each
@@ -67,9 +69,15 @@ def read_photo(path: Path, *, colour: bool = False) -> NDArray[np.uint8]:
 
 
 def find_in_photos(
-    paths: Sequence[Path], board: BoardSpec, settings: DetectorSettings = DEFAULT_DETECTOR
+    paths: Sequence[Path],
+    board: BoardSpec,
+    settings: DetectorSettings = DEFAULT_DETECTOR,
+    finder: Finder | None = None,
 ) -> PhotoSet:
-    """Return the boards found in photos of one camera.
+    """Return the boards found in photos and videos of one camera.
+
+    `finder` finds boards other than chessboards. Of a video, frames in which the board has hardly moved since the
+    last one kept are left out.
 
     Raises
     ------
@@ -78,32 +86,49 @@ def find_in_photos(
     DataError
         No photo shows the board.
     """
-    _refuse_twins(paths)
-    views, dropped, widths = [], [], []
+    _refuse_twins([path for path in paths if not is_video(path)])
+    views: list[BoardView] = []
+    dropped, widths = [], []
     sizes: list[tuple[int, int]] = []
     shown: list[tuple[int, int]] = []
-    for index, path in enumerate(paths):
-        gray = read_photo(path)
+    for index, (shot, gray) in enumerate(_shots(paths)):
         sizes.append((gray.shape[1], gray.shape[0]))
-        _refuse_other_size(paths[0], sizes[0], path, sizes[-1])
-        finding = inspect_board(gray, board, settings=settings)
-        if index < _SIZE_CHECKS or (finding.view is None and len(shown) < _MOST_SIZE_CHECKS):
+        _refuse_other_size(paths[0], sizes[0], shot.path, sizes[-1])
+        finding = inspect_board(gray, board, settings=settings) if finder is None else finder(gray)
+        if finder is None and (
+            index < _SIZE_CHECKS or (finding.view is None and len(shown) < _MOST_SIZE_CHECKS)
+        ):
             shown += [size] if (size := board_size_in(gray)) else []
             _refuse_other_board(shown, board)
         if finding.view is None:
-            dropped.append(DroppedView(index, str(path), finding.refusal))
-        else:
-            views.append(replace(finding.view, source=str(path)))
+            dropped.append(DroppedView(index, shot.source, finding.refusal))
+        elif shot.frame is None or is_another_view(finding.view, views[-1] if views else None, sizes[0][0]):
+            views.append(replace(finding.view, source=shot.source))
             widths.append(finding.edge_width_px)
     if not views:
         is_missing = "no whole board" in dropped[0].reason
         raise DataError(
-            f"none of {len(paths)} photos shows a {board.columns}x{board.rows} board ({dropped[0].reason})",
+            f"none of {len(sizes)} photos shows a {board.columns}x{board.rows} board ({dropped[0].reason})",
             cure="Count the inner corners: one less than the squares, in each direction."
             if is_missing
             else "Take sharp, well lit photos with the whole board in them.",
         )
     return PhotoSet(tuple(views), tuple(dropped), sizes[0], tuple(widths))
+
+
+def _shots(paths: Sequence[Path]) -> Iterator[tuple[Shot, NDArray[np.uint8]]]:
+    """Yield every picture of files and videos, grey."""
+    for path in paths:
+        if is_video(path):
+            yield from video_shots(path)
+        else:
+            yield Shot(path), read_photo(path)
+
+
+def read_source(source: str) -> NDArray[np.uint8]:
+    """Return the picture that a view came from, in colour: a file, or ``video#number``."""
+    frame = read_frame(source)
+    return read_photo(Path(source), colour=True) if frame is None else frame
 
 
 def photos_in(folder: Path) -> Iterator[Path]:

@@ -149,14 +149,19 @@ def choose(
     return chosen, trials
 
 
+def is_better(small: Stage, large: Stage, settings: SolveSettings) -> bool:
+    """Tell whether views left out agree better with the larger model, by more than chance; see the module."""
+    gain = np.log(np.maximum(small.left_out, _TINY_PX2) / np.maximum(large.left_out, _TINY_PX2))
+    error = float(gain.std(ddof=1)) / np.sqrt(gain.size)
+    is_lower = float(large.left_out.sum()) < float(small.left_out.sum())
+    return is_lower and float(gain.mean()) > settings.gain_in_errors * error
+
+
 def _objection(small: Stage, large: Stage, image_size: tuple[int, int], settings: SolveSettings) -> str:
     """Return why the larger model is not kept, or an empty string."""
     if not large.is_sane:
         return "folds or has a pole inside the image"
-    gain = np.log(np.maximum(small.left_out, _TINY_PX2) / np.maximum(large.left_out, _TINY_PX2))
-    error = float(gain.std(ddof=1)) / np.sqrt(gain.size)
-    is_lower = float(large.left_out.sum()) < float(small.left_out.sum())
-    if not is_lower or not float(gain.mean()) > settings.gain_in_errors * error:
+    if not is_better(small, large, settings):
         return f"no better than {small.coefficients} coefficients on unseen views"
     cameras = [camera_model(stage.solution.state.intrinsics, image_size) for stage in (large, small)]
     apart = projection_difference(*cameras).rms
@@ -187,7 +192,7 @@ def best_start(
     for intrinsics in candidates:
         start = start_poses(intrinsics, problem.corners_image, problem.points_board)
         solution = fit(problem, start, held_intrinsics(4), kept)
-        rms = float(np.sqrt(np.median(corner_distances(solution.residual) ** 2)))
+        rms = float(np.sqrt(np.median(corner_distances(solution.residual)[kept > 0.0] ** 2)))
         if best is None or rms < 0.8 * best[0]:
             best = (rms, solution.state)
         if good(best[0]):
