@@ -59,9 +59,16 @@ def test_jump_is_told_with_its_time():
     assert finding.time == pytest.approx(10.0)
 
 
-def test_millimetres_taken_for_metres_are_refused():
+def test_millimetres_that_nobody_stated_are_read_as_such_and_told():
+    found = looked_at(pose=circle(x=1000.0 * circle().x, y=1000.0 * circle().y))
+    assert found.pose.x == pytest.approx(circle().x)
+    assert any("read as mm" in str(finding) for finding in found.checks)
+
+
+def test_metres_that_are_stated_and_impossible_are_refused():
+    recording = Recording(pose=circle(x=1000.0 * circle().x, y=1000.0 * circle().y))
     with pytest.raises(InputError, match="wrong unit"):
-        looked_at(pose=circle(x=1000.0 * circle().x, y=1000.0 * circle().y))
+        checked(recording, {"pose": Nowhere()}, stated={"pose.length"})
 
 
 def test_many_impossible_steps_are_told():

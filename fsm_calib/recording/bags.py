@@ -56,12 +56,10 @@ def read_bag(path: Path, tag_map: TagMap | None = None, named: Named = NOTHING) 
     topics, findings = read_topics(path)
     source = Source(path)
     try:
-        if HEAD_TOPIC in topics and not named.any_topic:
-            recording = _own(path, topics)
-        else:
-            recording = _any_bag(path, topics, tag_map, named)
+        own = HEAD_TOPIC in topics and not named.any_topic
+        recording = _own(path, topics) if own else _any_bag(path, topics, tag_map, named)
         recording = replace(recording, checks=(*findings, *recording.checks))
-        return checked(recording, {name: source for name in CHANNELS})
+        return checked(recording, {name: source for name in CHANNELS}, stated=None if own else ())
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
         problem = f"the bag's messages are damaged ({type(error).__name__})"
         raise InputError(problem, where=f"{path}:1", cure="Record it again.") from error

@@ -7,7 +7,7 @@ stays as it was recorded and is told as a `Finding`.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,6 +16,8 @@ from fsm_calib.errors import InputError
 from fsm_calib.recording.channels import Channel
 from fsm_calib.recording.oddities import findings_of
 from fsm_calib.recording.recording import Finding, Recording
+from fsm_calib.recording.two_clocks import with_one_clock
+from fsm_calib.recording.unit_guesses import with_guessed_units
 
 HELD = ("command", "twist", "state")  # channels whose rows hold until the next
 LARGEST_NUMBER = (
@@ -34,9 +36,13 @@ class Rows(Protocol):
         ...
 
 
-def checked(recording: Recording, sources: Mapping[str, Rows]) -> Recording:
-    """Return the recording with impossible rows dropped and all findings; raise InputError for what is no
-    data.
+def checked(
+    recording: Recording, sources: Mapping[str, Rows], stated: Collection[str] | None = ()
+) -> Recording:
+    """Return the recording with impossible rows dropped and all findings; raise InputError for what is no data.
+
+    Units and clocks that are clearly off are guessed and told; `stated` names what keeps its unit (keys of
+    `unit_guesses.COLUMNS`), None keeps everything.
     """
     findings: list[Finding] = list(recording.checks)
     changes: dict[str, Any] = {}
@@ -45,10 +51,12 @@ def checked(recording: Recording, sources: Mapping[str, Rows]) -> Recording:
         channel, found = _increasing(name, channel, sources[name])
         changes[name] = channel
         findings += found
-    recording = dataclasses.replace(recording, **changes)
+    recording = dataclasses.replace(recording, **changes, checks=tuple(findings))
+    if stated is not None:
+        recording = with_guessed_units(with_one_clock(recording), stated)
     odd = findings_of(recording)
     _refuse_impossible(recording, odd, sources)
-    return dataclasses.replace(recording, checks=(*findings, *odd))
+    return dataclasses.replace(recording, checks=(*recording.checks, *odd))
 
 
 def _refuse_no_numbers(name: str, channel: Channel, source: Rows) -> None:

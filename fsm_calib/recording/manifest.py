@@ -7,6 +7,7 @@ into a `Recording` in SI units. `manifest_schema` holds the schema; every mistak
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -90,7 +91,23 @@ def read_manifest(path: Path, tag_map: TagMap | None = None) -> Recording:
         checks=tuple(zero_told(zero)),
         **channels,
     )
-    return checked(recording, sources)
+    return checked(recording, sources, _stated(sections))
+
+
+def _stated(sections: Mapping[str, ChannelSection]) -> set[str]:
+    """Return the quantities whose unit a manifest states, by the names of `unit_guesses`."""
+    settings = {name: section.model_fields_set for name, section in sections.items()}
+    keys = {
+        "wheel_rate": ("wheel_rate", "unit"),
+        "wheel_angle": ("wheel_angle", "unit"),
+        "wheel_speed": ("wheel_speed", "length_unit"),
+        "yaw_rate": ("yaw_rate", "unit"),
+        "twist.v": ("command", "length_unit"),
+        "twist.omega": ("command", "angle_unit"),
+        "pose.length": ("pose", "length_unit"),
+        "pose.theta": ("pose", "angle_unit"),
+    }
+    return {name for name, (section, key) in keys.items() if key in settings.get(section, ())}
 
 
 def _robot_of(path: Path, section: RobotSection) -> RobotFacts:

@@ -13,6 +13,7 @@ from fsm_calib.recording.recording import GAP_FACTOR, Finding, Recording
 from fsm_calib.types import FloatArray, wrap_angle
 
 FASTEST = 3.0  # m/s; three times what a Duckiebot, a Create or a Khepera can do
+FASTEST_OF_ALL = 20.0  # m/s; no robot on wheels that is recorded here
 FASTEST_TURN = 15.0  # rad/s; twice a Duckiebot's spin
 FEW_JUMPS = 0.05  # share of rows; more jumps than that are no jumps but a wrong unit
 MOST_JUMPS = 0.5  # share of rows; beyond it the columns are not what they are called
@@ -29,7 +30,7 @@ def findings_of(recording: Recording) -> list[Finding]:
     found: list[Finding] = []
     pose = recording.pose
     if pose is not None and len(pose) > 2:
-        found += _jumps(pose) + _gaps(recording) + _headings(pose) + _degrees(pose)
+        found += _jumps(pose, _fastest(recording)) + _gaps(recording) + _headings(pose) + _degrees(pose)
         found += _frozen(recording, pose)
     for name in ("wheel_angle", "wheel_rate", "wheel_speed"):
         found += _one_sided(name, getattr(recording, name))
@@ -37,14 +38,25 @@ def findings_of(recording: Recording) -> list[Finding]:
     return found
 
 
-def _jumps(pose: PoseTrack) -> list[Finding]:
+def _fastest(recording: Recording) -> float:
+    """Return the speed [m/s] that no such robot passes: twice what its wheels or commands say where that is more."""
+    radius, told = recording.robot.wheel_radius or 0.0, [0.0]
+    for pair, scale in ((recording.wheel_rate, radius), (recording.wheel_speed, 1.0)):
+        if pair is not None and len(pair):
+            told.append(scale * float(np.quantile(np.maximum(np.abs(pair.left), np.abs(pair.right)), 0.99)))
+    if recording.twist is not None and len(recording.twist):
+        told.append(float(np.quantile(np.abs(recording.twist.v), 0.99)))
+    return max(FASTEST, min(2.0 * max(told), FASTEST_OF_ALL))
+
+
+def _jumps(pose: PoseTrack, fastest: float) -> list[Finding]:
     """Tell of poses that no robot could have reached, and of units that make all of them so."""
     step = np.diff(pose.time)
     speed = np.hypot(np.diff(pose.x), np.diff(pose.y)) / step
     known = np.isfinite(pose.theta)
     turn = np.abs([wrap_angle(float(d)) for d in np.diff(pose.theta)]) if known.all() else np.zeros(len(step))
     typical = float(np.median(step))
-    far = (speed > FASTEST) & (np.hypot(np.diff(pose.x), np.diff(pose.y)) > FASTEST * typical)
+    far = (speed > fastest) & (np.hypot(np.diff(pose.x), np.diff(pose.y)) > fastest * typical)
     far |= (turn / step > FASTEST_TURN) & (turn > 0.3)
     count, rows = int(far.sum()), len(step)
     if not count:
@@ -52,7 +64,7 @@ def _jumps(pose: PoseTrack) -> list[Finding]:
     first = float(pose.time[1:][far][0])
     if count > FEW_JUMPS * rows:
         sentence = (
-            f"{count} of {rows} steps beat {FASTEST:g} m/s or {FASTEST_TURN:g} rad/s: a wrong unit or column?"
+            f"{count} of {rows} steps beat {fastest:g} m/s or {FASTEST_TURN:g} rad/s: a wrong unit or column?"
         )
         kind = "impossible" if count > MOST_JUMPS * rows else "unit_slip"
         return [Finding("pose", kind, sentence, "kept", count, first)]
