@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.errors import InputError, UnknownNameError
+from fsm_calib.perception.aprilgrid import TagGrid, aprilgrid_points
 from fsm_calib.perception.chessboard import BoardFinding, as_gray, inspect_board
 from fsm_calib.types import BoardSpec, BoardView, FloatArray
 
@@ -24,12 +25,6 @@ BoardKind = Literal["chessboard", "charuco", "aprilgrid", "circles", "asymmetric
 KINDS: tuple[BoardKind, ...] = get_args(BoardKind)
 FEWEST_POINTS = 8
 """A part of a board with fewer points tells nothing that its noise does not drown."""
-REFINE_SPACING = 0.6
-"""Half the window in which a tag's corner is refined, in gaps between tags [1]."""
-LARGEST_DOUBLED = 1000
-"""Photos up to this size are searched for tags at twice their size [px]."""
-APARTS = (0, 3, 5, 7)
-"""Kalibr's tags touch the squares between them; the picture is also searched with its white grown so wide [px]."""
 Image = NDArray[np.uint8]
 Finder = Callable[[Image], BoardFinding]
 
@@ -93,14 +88,15 @@ class BoardRequest:
         if self.kind == "charuco":
             return _charuco_finder(self)
         if self.kind == "aprilgrid":
-            return lambda image: _aprilgrid_in(as_gray(image), self)
+            grid = TagGrid(self.columns, self.rows, self.gap)
+            return lambda image: found_in_part(aprilgrid_points(as_gray(image), grid), "AprilGrid")
         if self.kind == "chessboard":
             spec = self.spec()
             return lambda image: inspect_board(image, spec)
         return lambda image: _circles_in(as_gray(image), self)
 
 
-def _found(points: FloatArray, kind: str) -> BoardFinding:
+def found_in_part(points: FloatArray, kind: str) -> BoardFinding:
     """Return a view with nan for what was not seen, or why there are too few points."""
     seen = int(np.isfinite(points[:, 0]).sum())
     if seen < FEWEST_POINTS or _is_a_line(points):
@@ -145,7 +141,7 @@ def _charuco_in(gray: Image, detector: cv2.aruco.CharucoDetector, asked: BoardRe
     points = np.full(((asked.columns - 1) * (asked.rows - 1), 2), np.nan)
     if numbers is not None and corners is not None:
         points[np.ravel(numbers)] = np.reshape(corners, (-1, 2))
-    return _found(points, "ChArUco board")
+    return found_in_part(points, "ChArUco board")
 
 
 def _circles_in(gray: Image, asked: BoardRequest) -> BoardFinding:
@@ -159,91 +155,3 @@ def _circles_in(gray: Image, asked: BoardRequest) -> BoardFinding:
             if is_there:
                 return BoardFinding(BoardView(np.reshape(centres, (-1, 2)).astype(float)))
     return BoardFinding(None, f"no whole grid of {asked.columns}x{asked.rows} circles was found")
-
-
-def _aprilgrid_in(gray: Image, asked: BoardRequest) -> BoardFinding:
-    """Find tags with the border of Kalibr's (2 cells) or of others' (1), and order their corners by the grid."""
-    by_border: dict[int, dict[int, FloatArray]] = {2: {}, 1: {}}
-    factor = 2 if max(gray.shape) <= LARGEST_DOUBLED else 1
-    large = (
-        cv2.resize(gray, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC) if factor > 1 else gray
-    )
-    for width in APARTS:
-        apart = cv2.dilate(large, np.ones((width, width), np.uint8)) if width else large
-        for border, tags in by_border.items():
-            found = _tags_in(gray, np.asarray(apart, dtype=np.uint8), factor, border, asked)
-            tags |= {number: corners for number, corners in found.items() if number not in tags}
-        if max(len(tags) for tags in by_border.values()) == asked.columns * asked.rows:
-            break
-    best = max(by_border.values(), key=len)
-    points = np.full((4 * asked.columns * asked.rows, 2), np.nan)
-    if len(best) >= 2:
-        for number, corners in _in_grid_order(best, asked).items():
-            row, column = divmod(number, asked.columns)
-            for place, (down, right) in enumerate(((0, 0), (0, 1), (1, 1), (1, 0))):
-                points[(2 * row + down) * 2 * asked.columns + 2 * column + right] = corners[place]
-    return _found(points, "AprilGrid")
-
-
-def _tags_in(
-    gray: Image, apart: Image, factor: int, border: int, asked: BoardRequest
-) -> dict[int, FloatArray]:
-    """Return the tags seen in `apart`, `factor` times as large, their corners refined in the picture as it is."""
-    parameters = cv2.aruco.DetectorParameters()
-    parameters.markerBorderBits = border
-    parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
-    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
-    quads, numbers, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(apart)
-    found: dict[int, FloatArray] = {}
-    for number, quad in zip([] if numbers is None else np.ravel(numbers), quads, strict=True):
-        if number < asked.columns * asked.rows:
-            found[int(number)] = _refined(gray, (quad.reshape(4, 2) + 0.5) / factor - 0.5, asked.gap)
-    return found
-
-
-def _refined(gray: Image, quad: NDArray, gap: float) -> FloatArray:
-    """Return a tag's corners to a tenth of a pixel."""
-    side = float(np.linalg.norm(quad - np.roll(quad, 1, axis=0), axis=1).min())
-    half = int(np.clip(REFINE_SPACING * min(gap, 0.5) * side, 3, 9))
-    corners = np.ascontiguousarray(quad.reshape(-1, 1, 2), dtype=np.float32)
-    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 30, 0.005)
-    return np.asarray(cv2.cornerSubPix(gray, corners, (half, half), (-1, -1), stop), float).reshape(4, 2)
-
-
-def _in_grid_order(tags: dict[int, FloatArray], asked: BoardRequest) -> dict[int, FloatArray]:
-    """Return the corners of each tag from its upper left, clockwise, by its place in the grid as it is printed.
-
-    Kalibr numbers tags from the lower left, OpenCV from the upper left, and each draws a tag turned in its own way.
-    The places of the tags tell which: of the two numberings only one is no mirror image, and the middles of the tags
-    tell where each corner belongs.
-    """
-    for is_from_below in (True, False):
-        placed = {_row_from_above(number, asked, is_from_below): corners for number, corners in tags.items()}
-        frame = _frame(placed, asked)
-        if frame is not None:
-            return {number: _turned(corners, frame) for number, corners in placed.items()}
-    return {}
-
-
-def _row_from_above(number: int, asked: BoardRequest, is_from_below: bool) -> int:
-    row, column = divmod(number, asked.columns)
-    return (asked.rows - 1 - row if is_from_below else row) * asked.columns + column
-
-
-def _frame(placed: dict[int, FloatArray], asked: BoardRequest) -> FloatArray | None:
-    """Return the affine map (2, 3) from (column, row) to the image, None for a mirror image or tags in a line."""
-    places = np.array([(number % asked.columns, number // asked.columns, 1.0) for number in placed])
-    middles = np.array([corners.mean(axis=0) for corners in placed.values()])
-    if np.linalg.matrix_rank(places) < 3:
-        return None
-    affine = np.linalg.lstsq(places, middles, rcond=None)[0].T
-    return affine if np.linalg.det(affine[:, :2]) > 0.0 else None
-
-
-def _turned(corners: FloatArray, frame: FloatArray) -> FloatArray:
-    """Return a tag's corners begun at its upper left, clockwise."""
-    middle = corners.mean(axis=0)
-    wanted = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]) @ frame[:, :2].T
-    scale = float(np.linalg.norm(corners - middle, axis=1).mean() / np.linalg.norm(wanted, axis=1).mean())
-    errors = [float(np.linalg.norm(np.roll(corners, t, axis=0) - middle - scale * wanted)) for t in range(4)]
-    return np.roll(corners, int(np.argmin(errors)), axis=0)
