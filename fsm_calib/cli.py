@@ -30,6 +30,7 @@ COMMAND_MODULES: tuple[str, ...] = (
     "camera",
     "extrinsics",
     "diagnosis",
+    "investigate",
     "study",
     "begin",
     "targets",
@@ -136,16 +137,19 @@ def diagrams(
 ) -> None:
     """Draw the machines: Mermaid text, DOT text and a picture of each, from their tables."""
     from fsm_calib.machines.calibration import CALIBRATION
+    from fsm_calib.machines.investigate import INVESTIGATE
     from fsm_calib.statechart.diagrams import stale_diagrams, write_diagrams
     from fsm_calib.statechart.validate import check as check_tables
 
-    check_tables(CALIBRATION)
-
+    drawn = {out: CALIBRATION, out / INVESTIGATE.root.name: INVESTIGATE}
+    for machinery in drawn.values():
+        check_tables(machinery)
     if not check:
-        write_diagrams(CALIBRATION, out)
+        for folder, machinery in drawn.items():
+            write_diagrams(machinery, folder)
         typer.echo(f"diagrams written to {out}/")
         return
-    stale = [str(path) for path in stale_diagrams(CALIBRATION, out)]
+    stale = [str(path) for folder, machinery in drawn.items() for path in stale_diagrams(machinery, folder)]
     if stale:
         typer.echo(f"stale: {', '.join(stale)}. Run: fsm-calib diagrams", err=True)
         raise typer.Exit(1)
@@ -155,7 +159,6 @@ def diagrams(
 for _variable in LINEAR_ALGEBRA_THREADS:
     os.environ.setdefault(_variable, "1")
 os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", LARGEST_IMAGE)
-os.environ.setdefault("OPENCV_LOG_LEVEL", "OFF")  # what is wrong with an image is said by our own sentence
 for _module in COMMAND_MODULES:
     importlib.import_module(f"fsm_calib.commands.{_module}").register(app)
 

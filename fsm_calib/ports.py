@@ -54,3 +54,12 @@ class Camera(Protocol):
 @runtime_checkable
 class Robot(WheelDrive, Camera, Clock, Protocol):
     """All of it in one object: wheels, camera and clock."""
+
+
+@runtime_checkable
+class Tracker(Protocol):
+    """Something beside the robot, or on it, that tells where the robot was seen."""
+
+    def poses(self) -> list[tuple[float, float, float, float]]:
+        """Return what was seen since the last call: time [s, robot time], x, y [m], theta [rad, not wrapped]."""
+        ...

@@ -96,7 +96,7 @@ def resumed_session(
     """
     state = read_checkpoint(directory)
     if state is not None:
-        _check_same(state, identity(scenario, machinery), directory)
+        check_same(state, identity(scenario, machinery), directory)
     return _session(scenario, directory, parts, observer, machinery, state)
 
 
@@ -114,7 +114,7 @@ DIFFERS = {"scenario": "scenario or seed", "machine": "machine", "version": "ver
 """What a checkpoint may belong to another one of."""
 
 
-def _check_same(state: dict[str, Any], wanted: dict[str, str], directory: Path) -> None:
+def check_same(state: dict[str, Any], wanted: dict[str, str], directory: Path) -> None:
     """Raise `DataError` unless the checkpoint belongs to this scenario, seed and version."""
     for name, value in wanted.items():
         if state.get(name) != value:

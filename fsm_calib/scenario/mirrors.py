@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, create_model
 
+from fsm_calib.actions.investigate_settings import InvestigateSettings
 from fsm_calib.actions.published import PUBLISHED as PUBLISHED_ACTIONS
 from fsm_calib.actions.settings import ActionSettings
 from fsm_calib.machines.limits import PUBLISHED as PUBLISHED_LIMITS
@@ -27,6 +28,7 @@ from fsm_calib.world2d.faults import (
     MissingMarkers,
     Obstacle,
 )
+from fsm_calib.world2d.overhead import TrackerSettings
 from fsm_calib.world2d.parameters import BASE
 from fsm_calib.world2d.robot import Wear, WorldSettings
 from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, Wall
@@ -85,6 +87,8 @@ if TYPE_CHECKING:  # what a mirror holds is known when it is made, not before
     Phase: TypeAlias = str
     Published: TypeAlias = str
     LimitsSection: TypeAlias = Any
+    InvestigateSection: TypeAlias = Any
+    TrackerSection: TypeAlias = Any
     ActionsSection: TypeAlias = Any
     FieldSection: TypeAlias = Any
     RoadSection: TypeAlias = Any
@@ -106,6 +110,8 @@ else:
     Published = Literal[(*PUBLISHED_ACTIONS, *PUBLISHED_LIMITS)]
     LimitsSection = mirror(Limits, skip=("boards", "start_board"))
     ActionsSection = mirror(ActionSettings, skip=("board",))
+    InvestigateSection = mirror(InvestigateSettings)
+    TrackerSection = mirror(TrackerSettings)
     FieldSection = mirror_of(MarkerField)
     RoadSection = mirror(Road, skip=("start",))
     PlacedBoard = mirror_of(BoardPlacement)

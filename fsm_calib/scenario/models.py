@@ -16,6 +16,7 @@ from fsm_calib.scenario.mirrors import (
     EffectsSection,
     FaultSection,
     FieldSection,
+    InvestigateSection,
     LimitsSection,
     LinkSection,
     MountSection,
@@ -26,6 +27,7 @@ from fsm_calib.scenario.mirrors import (
     RoadSection,
     SensorSection,
     ServeSection,
+    TrackerSection,
     WallSection,
     WearSection,
     WorldSection,
@@ -254,6 +256,13 @@ class Scenario(Section):
         default=(), description="Behaviours of the published method that replace the corrected ones, by name."
     )
     output: OutputSection = Field(default=OutputSection(), description="What a run leaves behind.")
+    investigate: InvestigateSection = Field(
+        default=InvestigateSection(), description="Where `fsm-calib investigate` may drive, and how long."
+    )
+    tracker: TrackerSection = Field(
+        default=TrackerSection(),
+        description="The camera at the ceiling that `investigate` gets its poses from.",
+    )
 
     @field_validator("plan")
     @classmethod

@@ -13,7 +13,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.hypotheses import catalogue, declared_starts, hypotheses_of, is_event
+from fsm_calib.diagnosis.candidates.hypotheses import (
+    catalogue,
+    declared_starts,
+    hypotheses_of,
+    is_event,
+    scaled,
+)
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Fit
@@ -99,6 +105,36 @@ def prior_belief(
     return Belief(
         kept(hypotheses, most), len(slots), plain, noise or Noise(), facts, frame_rate, full, GENERAL_DOUBT
     )
+
+
+def with_doubts(belief: Belief, share: float = 0.2, most: int = MOST + 6) -> Belief:
+    """Return a belief that also holds a further effect of half its typical size beside the likeliest explanation.
+
+    share : probability that there is one. A drive designed for it would show what has not been looked for yet.
+    """
+    leader, more = belief.leader, []
+    known = {h.names for h in belief.hypotheses}
+    effects = [
+        e
+        for e in catalogue()
+        if e.input in ("any", "command") and e.scan == "" and (*leader.names, e.name) not in known
+    ]
+    for effect in effects:
+        if effect.name in leader.names:
+            continue
+        start = declared_starts(next(hypotheses_of(effect, 1)))[0]
+        values = with_values(leader.values[None], scaled(effect, start, 0.5))[0]
+        own, sizes = _own_slots(effect, values)
+        size = len(leader.places)
+        covariance = np.zeros((size + len(own),) * 2)
+        covariance[:size, :size] = leader.covariance
+        covariance[range(size, len(covariance)), range(size, len(covariance))] = (0.5 * sizes) ** 2
+        places = (*leader.places, *(s.place for s in own))
+        steps = np.concatenate([leader.steps, _steps(own)])
+        probability = share / len(effects)
+        more.append(Hypothesis((*leader.names, effect.name), probability, values, places, covariance, steps))
+    kept_before = [replace(h, probability=(1.0 - share) * h.probability) for h in belief.hypotheses]
+    return replace(belief, hypotheses=kept([*kept_before, *more], most))
 
 
 def _own_slots(effect: Effect, values: FloatArray) -> tuple[list[Slot], FloatArray]:

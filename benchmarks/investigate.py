@@ -1,0 +1,159 @@
+"""Robots with hidden effects investigate themselves: designed drives against random ones of the same manoeuvres.
+
+    python3 benchmarks/investigate.py --out out/investigate.jsonl             # about a minute of CPU for each robot
+    python3 benchmarks/investigate.py --summary out/investigate.jsonl
+
+Every robot is drawn from the fleet and driven in this project's own world (pymunk, 2 ms steps) under a tracker at
+the ceiling; the investigation never sees the world's truth. Sizes: plain = the typical size of the effect's file,
+masked = half of it, faint = a quarter. Both arms have the same robot, noise seed, budget and rule to end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from fsm_calib.diagnosis.design.designer import design, random_drive
+from fsm_calib.runner.investigation.run import investigate
+from fsm_calib.scenario.models import Scenario
+from fsm_calib.world2d.effects import registry
+
+SIZES = {"plain": 1.0, "masked": 0.5, "faint": 0.25}
+ROBOTS = (
+    ("plain", "motor_deadband"), ("plain", "tyre_scrub"), ("plain", "floor_tilt"), ("plain", "caster_drag"),
+    ("masked", "motor_gain_curve"), ("masked", "coulomb_friction"), ("masked", "motor_reverse_asymmetry"),
+    ("faint", "motor_deadband"), ("faint", "motor_asymmetric_lag"), ("faint", "sensor_offset"),
+    ("pair", "motor_deadband", "sensor_offset"), ("pair", "floor_tilt", "motor_gain_curve"),
+    ("clean",), ("clean",), ("clean",), ("one set", "command_delay"),
+)  # fmt: skip
+ARMS = {"designed": design, "random": partial(random_drive, seconds=12.0)}
+SAME = {"command_delay": "delay", "observation_delay": "delay"}
+
+
+def effects(kind: str, names: tuple[str, ...]) -> dict:
+    """The hidden effects, each typical number moved towards the value that changes nothing."""
+    share = SIZES.get(kind, 1.0)
+    return {
+        name: {
+            p.name: p.null + share * (p.typical - p.null) if p.strength else p.typical
+            for p in registry()[name].parameters
+        }
+        for name in names
+    }
+
+
+def robot(number: int, kind: str, names: tuple[str, ...], budget: float) -> Scenario:
+    return Scenario.model_validate(
+        {
+            "name": f"robot-{number}",
+            "seed": 1000 + number,
+            "robot": {"effects": effects(kind, names)},
+            "scene": {"boards": {"placed": ({"board": {}, "x": 3.0, "y": 0.0},)}},
+            "investigate": {"budget": budget},
+        }
+    )
+
+
+def one(number: int, arm: str, budget: float) -> dict:
+    kind, *names = ROBOTS[number]
+    with tempfile.TemporaryDirectory() as folder:
+        going, result = investigate(
+            robot(number, kind, tuple(names), budget), Path(folder), designer=ARMS[arm]
+        )
+    truth = {SAME.get(name, name) for name in names}
+    right = [{SAME.get(n, n) for n in drive_names(d)} == truth for d in result["drives"]]
+    trace, area = going.connection.world.truth.trace, going.mind.area
+    out = np.maximum(np.abs(trace[:, 1]) - area.x_high, np.abs(trace[:, 2]) - area.y_high).max()
+    settled = next((k for k in range(len(right)) if all(right[k:])), None)
+    return {
+        "robot": number,
+        "kind": kind,
+        "truth": names,
+        "arm": arm,
+        "ended": result["ended"],
+        "seconds": result["robot"]["seconds"],
+        "right": bool(right and right[-1]),
+        "seconds_to_right": None
+        if settled is None
+        else sum(d["seconds"] for d in result["drives"][: settled + 1]),
+        "said": [d["beliefs"][0] for d in result["drives"] if d["beliefs"]],
+        "verdict": result.get("verdict"),
+        "promises": [[d["expected"], d["reached"]] for d in result["drives"]],
+        "nearest_edge_m": round(-float(out), 3),
+        "wall": result["seconds"],
+    }
+
+
+def drive_names(drive: dict) -> list[str]:
+    if not drive["beliefs"]:
+        return []
+    label = drive["beliefs"][0][0]
+    return [] if label == "nothing is missing" else label.split(" + ")
+
+
+def summary(rows: list[dict]) -> str:
+    lines = [
+        "| arm | kind | robots | right at the end | median robot time driven to a right answer that stays |",
+        "|---|---|---|---|---|",
+    ]
+    for arm in ARMS:
+        for kind in dict.fromkeys(r["kind"] for r in rows):
+            some = [r for r in rows if r["arm"] == arm and r["kind"] == kind]
+            if not some:
+                continue
+            times = [r["seconds_to_right"] if r["seconds_to_right"] is not None else np.inf for r in some]
+            middle = float(np.median(times))
+            told = f"{middle:.0f} s" if np.isfinite(middle) else "never"
+            lines.append(f"| {arm} | {kind} | {len(some)} | {sum(r['right'] for r in some)} | {told} |")
+    pairs = [
+        (a, b)
+        for a in rows
+        for b in rows
+        if a["robot"] == b["robot"] and (a["arm"], b["arm"]) == ("designed", "random")
+    ]
+    ahead = sum(_cost(a) < _cost(b) for a, b in pairs)
+    level = sum(_cost(a) == _cost(b) for a, b in pairs)
+    lines.append(f"designed ahead of random on {ahead} of {len(pairs)} robots, level on {level}")
+    promised = [p for r in rows if r["arm"] == "designed" for p in r["promises"] if p[1] is not None]
+    for low in np.arange(0.3, 1.0, 0.1):
+        some = [p for p in promised if low <= p[0] < low + 0.1]
+        if some:
+            expected, reached = np.mean(some, axis=0)
+            lines.append(
+                f"promised {low:.1f} to {low + 0.1:.1f}: {len(some)} drives, expected {expected:.2f}, reached {reached:.2f}"
+            )
+    lines.append(f"nearest any axle's centre came to an edge: {min(r['nearest_edge_m'] for r in rows):.2f} m")
+    return "\n".join(lines)
+
+
+def _cost(row: dict) -> float:
+    return row["seconds_to_right"] if row["seconds_to_right"] is not None else np.inf
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--out", type=Path, default=Path("out/investigate.jsonl"))
+    parser.add_argument("--budget", type=float, default=90.0)
+    parser.add_argument("--robots", type=int, default=len(ROBOTS))
+    parser.add_argument("--summary", type=Path, help="only print the table of this file")
+    asked = parser.parse_args()
+    if asked.summary is None:
+        asked.out.parent.mkdir(parents=True, exist_ok=True)
+        with asked.out.open("w") as file:
+            for number in range(asked.robots):
+                for arm in ARMS:
+                    file.write(json.dumps(one(number, arm, asked.budget)) + "\n")
+                    file.flush()
+    path = asked.summary or asked.out
+    print(summary([json.loads(line) for line in path.read_text().splitlines()]))
+
+
+if __name__ == "__main__":
+    main()

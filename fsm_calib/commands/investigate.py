@@ -1,0 +1,123 @@
+"""`fsm-calib investigate`: the robot finds out by driving what its simulation is missing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fsm_calib.commands.diagnosis import summary_lines
+from fsm_calib.commands.files import STANDARD_OUTPUT, check_places, write_file
+from fsm_calib.commands.given import recordings_given
+from fsm_calib.commands.options import EffectsOption
+from fsm_calib.commands.run import read_scenario, with_seed
+from fsm_calib.errors import InputError, shown_lines
+
+if TYPE_CHECKING:
+    from fsm_calib.runner.investigation.run import Investigation
+    from fsm_calib.scenario.models import Scenario
+
+DEFAULT_OUT = Path("out/investigation")
+
+
+def register(app: typer.Typer) -> None:
+    """Add `investigate` to the command line."""
+    app.command("investigate")(investigate_command)
+
+
+def investigate_command(
+    scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)],
+    robot: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A real robot, such as ros1://HOST/VEHICLE.")
+    ] = None,
+    given: Annotated[
+        list[str] | None,
+        typer.Option("--from", metavar="RECORDING", help="Go on from this recording; repeatable."),
+    ] = None,
+    budget: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", help="Robot time, in place of the scenario's.", min=10.0, max=7200.0),
+    ] = None,
+    json_file: Annotated[
+        Path | None,
+        typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Where files go (default: out/investigation).")] = None,
+    resume: Annotated[
+        Path | None, typer.Option(help="Go on with the investigation in this directory.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Another seed than the scenario's.")] = None,
+    effects: EffectsOption = None,
+) -> None:
+    """Drive, diagnose, and design the next drive, until it is settled what the simulation is missing."""
+    from fsm_calib.runner.investigation.run import investigate
+    from fsm_calib.runner.progress import ProgressBar
+
+    if resume is not None and out is not None and out != resume:
+        raise InputError(
+            "--out and --resume name two directories", where="--out", cure="Give --resume alone."
+        )
+    check_places(json_file)
+    loaded = asked_of(scenario, robot, budget, seed)
+    recordings, _ = recordings_given(given or (), (), tag_map=None)
+    directory = resume or out or DEFAULT_OUT
+    with ProgressBar(()) as bar:
+        going, result = investigate(
+            loaded, directory, given=recordings, resume=resume is not None, observer=bar
+        )
+    write_files(going, result, directory)
+    tell(result, directory, json_file)
+    if str(result["ended"]).startswith(("failed", "aborted")):
+        typer.echo(f"fsm-calib: {result['reason']} {result['cure']}", err=True)
+        raise typer.Exit(1)
+
+
+def asked_of(path: Path, robot: str | None, budget: float | None, seed: int | None) -> Scenario:
+    """Return the scenario with what the command line says in its place."""
+    from fsm_calib.runner.connecting import with_robot
+
+    scenario = with_seed(with_robot(read_scenario(path), robot), seed)
+    if budget is None:
+        return scenario
+    asked = scenario.investigate.model_copy(update={"budget": budget})
+    return scenario.model_copy(update={"investigate": asked})
+
+
+def write_files(going: Investigation, result: dict[str, Any], directory: Path) -> None:
+    """Write the improved world and the pages, as far as there is a diagnosis."""
+    from fsm_calib.report.diagnosis_report import write_report
+    from fsm_calib.report.diagnosis_world import world_text
+    from fsm_calib.report.investigation import investigation_page
+
+    diagnosis = going.mind.diagnosis
+    if diagnosis is None:
+        return
+    write_file(directory / "world.yaml", world_text(diagnosis))
+    write_report(diagnosis, directory)
+    write_file(
+        directory / "index.html", investigation_page(going.bench.findings.drives, going.mind.area, result)
+    )
+
+
+def tell(result: dict[str, Any], directory: Path, json_file: Path | None) -> None:
+    """Print the result in words, or as JSON where that was asked for."""
+    if json_file == STANDARD_OUTPUT:
+        typer.echo(json.dumps(result, indent=1, allow_nan=False))
+        return
+    lines = [f"{result['ended']} after {result['robot']['seconds']:.0f} s of robot time"]
+    for number, drive in enumerate(result["drives"], start=1):
+        expected, reached = (
+            f"{drive[k]:.2f}" if drive[k] is not None else "-" for k in ("expected", "reached")
+        )
+        lines.append(
+            f"  drive {number}: {drive['seconds']:.0f} s, expected {expected}, reached {reached}; {drive['why']}"
+        )
+    if "verdict" in result:
+        lines += summary_lines({**result, "seconds_by_part": result["seconds_by_part"]})
+    if result["ended"] != "done":
+        lines.append(f"  {result['reason']} {result['cure']}")
+    typer.echo(shown_lines("\n".join([*lines, f"  {directory}/"])))
+    if json_file is not None:
+        write_file(json_file, json.dumps(result, indent=1, allow_nan=False) + "\n")

@@ -1,0 +1,160 @@
+"""What an investigation thinks: design the next drive, diagnose all of them, judge the answer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fsm_calib.actions.investigating import Field, InvestigationBench
+from fsm_calib.diagnosis.design.area import Area
+from fsm_calib.diagnosis.design.belief import Belief
+from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief, with_doubts
+from fsm_calib.diagnosis.design.designer import Wishes, design
+from fsm_calib.diagnosis.design.plan import Plan
+from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
+from fsm_calib.errors import DataError
+from fsm_calib.outcome import Outcome
+from fsm_calib.recording.channels import CommandTrack, PoseTrack
+from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.types import Pose2
+
+DESIGN_STREAM = 13
+"""Which random stream of the seed the designer draws from."""
+CONFIRMATIONS = 2  # judgements in a row with the same sure names: one drive may be unlucky
+SURE_NAME = 0.9  # confidence that the verdict itself must have in every name
+LEAST_SHARE = 0.05  # of the doubt: a drive that removes less is not worth driving
+SHORTEST_TIME = 8.0  # s of budget: with less no drive is begun
+
+Designer = Callable[[Belief, Area, Pose2, np.random.Generator, Wishes], Plan | None]
+
+
+@dataclass(eq=False)
+class Mind:
+    """What an investigation believes between two drives; all of it follows from the recordings, so that a run that is
+    taken up again thinks the same.
+
+    given : recordings that were there before. designer : who plans drives.
+    """
+
+    area: Area
+    facts: RobotFacts
+    seed: int
+    given: tuple[Recording, ...] = ()
+    designer: Designer = design
+    diagnosis: Diagnosis | None = None
+    belief: Belief | None = None
+    plans: list[Plan] = field(default_factory=list)
+    _known: int = -1
+
+    def design_drive(self, bench: InvestigationBench) -> Outcome:
+        """Find the drive of most information per second from where the robot is."""
+        asked, findings = bench.asked, bench.findings
+        belief = self._believed(bench)
+        sure = belief is not None and belief.sureness >= asked.sure
+        least = 0.0 if belief is None else LEAST_SHARE * belief.doubt
+        if belief is None:
+            belief = prior_belief(robot=self.facts)
+        elif sure:
+            belief, least = with_doubts(belief), 0.0
+        rng = np.random.default_rng([self.seed, DESIGN_STREAM, len(findings.drives)])
+        longest = min(asked.longest, max(asked.budget - bench.robot.now(), SHORTEST_TIME))
+        wishes = Wishes(longest=longest, limit=asked.command, least=max(least, 0.01))
+        plan = self.designer(belief, self.area, Pose2(*(findings.pose or (0.0, 0.0, 0.0))), rng, wishes)
+        if plan is None:
+            return Outcome(
+                "nothing_to_learn", {"sure": sure}, "No drive in reach would make the answer surer."
+            )
+        findings.holds, findings.plan = list(plan.holds), plan.as_json()
+        self.plans.append(plan)
+        evidence = {"seconds": plan.seconds, "expected": plan.forecast.sureness, "why": plan.why}
+        return Outcome("drive_designed", evidence, f"A drive of {plan.seconds:.0f} s {plan.why}.")
+
+    def diagnose_drives(self, bench: InvestigationBench) -> Outcome:
+        """Compare all drives so far with the simulation."""
+        try:
+            belief = self._believed(bench)
+        except DataError as error:
+            return Outcome("drives_refused", {}, error.problem, error.cure)
+        if belief is None or self.diagnosis is None:
+            return Outcome("drives_refused", {}, "There is no drive to diagnose.", "Drive first.")
+        drive = bench.findings.drives[-1]
+        drive.reached = belief.sureness
+        drive.beliefs = [
+            (h.label, float(p)) for h, p in zip(belief.hypotheses[:6], belief.probabilities, strict=False)
+        ]
+        said = self.diagnosis.verdict.verdict
+        evidence = {"verdict": said, "leader": belief.leader.label, "sureness": belief.sureness}
+        return Outcome("diagnosed", evidence, f"{said}: {belief.leader.label}, {belief.sureness:.0%} sure.")
+
+    def judge_answer(self, bench: InvestigationBench) -> Outcome:
+        """Compare sureness and what was spent with what was asked for."""
+        asked, findings, belief = bench.asked, bench.findings, self._believed(bench)
+        sure = belief is not None and self._is_sure(belief, asked.sure)
+        names = list(belief.leader.names) if belief is not None else []
+        findings.streak = findings.streak + 1 if sure and names == findings.names else int(sure)
+        findings.names = names
+        time_left = asked.budget - bench.robot.now() >= SHORTEST_TIME and findings.distance < asked.distance
+        evidence = {
+            "sure": findings.streak >= CONFIRMATIONS,
+            "time_left": time_left,
+            "names": names,
+            "sureness": 0.0 if belief is None else belief.sureness,
+            "spent": bench.robot.now(),
+            "distance": findings.distance,
+        }
+        return Outcome("answer_judged", evidence, _judged(names, evidence))
+
+    def _is_sure(self, belief: Belief, wanted: float) -> bool:
+        """Return whether the belief and every name of the verdict are as sure as wanted."""
+        if belief.sureness < wanted or self.diagnosis is None:
+            return False
+        verdict = self.diagnosis.verdict
+        named = tuple(sorted(e.name for e in verdict.effects))
+        if verdict.verdict == "unexplained" or named != tuple(sorted(belief.leader.names)):
+            return False
+        return not verdict.ambiguous and all(e.confidence >= SURE_NAME for e in verdict.effects)
+
+    def _believed(self, bench: InvestigationBench) -> Belief | None:
+        """Return the belief after all drives; computed once for each number of them."""
+        drives = bench.findings.drives
+        if self._known != len(drives):
+            recordings = self.recordings(drives)
+            if recordings:
+                self.diagnosis = diagnose(recordings, seed=self.seed)
+                self.belief = belief_of(self.diagnosis.decision)
+            self._known = len(drives)
+        return self.belief
+
+    def recordings(self, drives: Sequence[Field]) -> tuple[Recording, ...]:
+        """Return the recordings that were given and those of the drives."""
+        return (*self.given, *(recording_of(d, self.facts, n) for n, d in enumerate(drives, start=1)))
+
+
+def recording_of(drive: Field, facts: RobotFacts, number: int) -> Recording:
+    """Return a drive as a recording whose clock begins with it; of several commands at one time the last acted."""
+    begin = drive.commands[0][0]
+    held = {round(time - begin, 6): (left, right) for time, left, right in drive.commands}
+    commands = np.array([(time, *pair) for time, pair in held.items()])
+    poses = np.array(drive.poses)
+    return Recording(
+        robot=facts,
+        command=CommandTrack(commands[:, 0], commands[:, 1], commands[:, 2]),
+        pose=PoseTrack(poses[:, 0] - begin, poses[:, 1], poses[:, 2], poses[:, 3]),
+        source=f"drive {number}",
+    )
+
+
+def with_facts(facts: RobotFacts, recordings: Sequence[Recording]) -> RobotFacts:
+    """Return the facts of recordings that were given, where there are some; else `facts`."""
+    return replace(recordings[0].robot) if recordings else facts
+
+
+def _judged(names: Sequence[str], evidence: dict[str, object]) -> str:
+    what = " and ".join(names) or "nothing is missing"
+    if evidence["sure"]:
+        return f"Settled: {what}."
+    sureness = float(str(evidence["sureness"]))
+    return f"Not settled yet: {what}, {math.floor(100 * sureness)} % sure."

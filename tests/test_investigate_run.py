@@ -1,0 +1,99 @@
+"""An investigation from its scenario to its answer, and taken up again where it was killed."""
+
+import json
+import shutil
+
+import pytest
+
+from fsm_calib.runner.investigation import run as runs
+from fsm_calib.runner.investigation.run import area_of, investigate
+from fsm_calib.runner.loop import step
+from fsm_calib.runner.progress import Silent
+from fsm_calib.scenario.models import Scenario
+from fsm_calib.scenario.scene import scene_of
+
+TIMES = ("seconds", "seconds_by_part")
+
+
+def scenario(budget=22.0, **effects):
+    return Scenario.model_validate(
+        {
+            "name": "hidden",
+            "seed": 5,
+            "robot": {"source": "nominal", "effects": effects},
+            "scene": {"boards": {"placed": ({"board": {}, "x": 3.0, "y": 0.0},)}},
+            "investigate": {"budget": budget},
+        }
+    )
+
+
+HIDDEN = scenario(tyre_scrub={"moment": 0.02})
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole")
+    going, result = investigate(HIDDEN, folder)
+    return going, result, folder
+
+
+def untimed(result):
+    return {name: value for name, value in result.items() if name not in TIMES}
+
+
+def test_hidden_effect_is_named_within_the_budget(finished):
+    _, result, _ = finished
+    assert result["verdict"] == "explained"
+    assert [effect["name"] for effect in result["effects"]] == ["tyre_scrub"]
+    assert result["robot"]["seconds"] < 30.0
+
+
+def test_every_drive_says_why_and_what_came_of_it(finished):
+    _, result, folder = finished
+    assert result["drives"]
+    assert all(d["why"] and d["expected"] > 0.3 and d["reached"] > 0.3 for d in result["drives"])
+    assert (folder / "drives" / "drive-01" / "recording.yaml").exists()
+    assert json.loads((folder / "investigation.json").read_text())["ended"] == result["ended"]
+
+
+def test_robot_stayed_in_its_area(finished):
+    going, _, _ = finished
+    trace, area = going.connection.world.truth.trace, going.mind.area
+    assert area.clearance(trace[:, 1], trace[:, 2]).min() > -area.margin
+
+
+def test_what_is_thought_never_touches_the_world(finished):
+    going, _, _ = finished
+    assert not hasattr(going.bench.robot, "truth")
+    assert not hasattr(going.bench.tracker, "world")
+
+
+def test_killed_investigation_goes_on_to_the_same_answer(finished, tmp_path):
+    going = runs.session(HIDDEN, tmp_path, (), False, Silent(), runs.design)
+    for _ in range(4):
+        step(going.run)
+    going.run.journal.close()  # the process is gone; what is on the disk stays
+    _, result = investigate(HIDDEN, tmp_path, resume=True)
+    assert untimed(result) == untimed(finished[1])
+
+
+def test_walls_and_boards_of_the_drawing_are_obstacles():
+    drawn = Scenario.model_validate(
+        {
+            "name": "walled",
+            "scene": {
+                "boards": {"placed": ({"board": {}, "x": 3.0, "y": 0.0},)},
+                "walls": ({"x0": 0.5, "y0": -0.2, "x1": 0.5, "y1": 0.2},),
+            },
+        }
+    )
+    area = area_of(drawn.investigate.build(), scene_of(drawn))
+    assert area.clearance(0.48, 0.0) < 0.0 < area.clearance(0.0, 0.0)
+
+
+def test_earlier_drives_are_replaced(finished, tmp_path):
+    shutil.copytree(finished[2], tmp_path / "old")
+    (tmp_path / "old" / "drives" / "drive-99").mkdir()
+    going = investigate(scenario(budget=9.0), tmp_path / "old")[0]
+    assert not (tmp_path / "old" / "drives" / "drive-99").exists()
+    assert len(going.bench.findings.drives) == 1
