@@ -159,6 +159,7 @@ def diagrams(
 for _variable in LINEAR_ALGEBRA_THREADS:
     os.environ.setdefault(_variable, "1")
 os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", LARGEST_IMAGE)
+os.environ.setdefault("OPENCV_LOG_LEVEL", "OFF")  # what is wrong with an image is said by our own sentence
 for _module in COMMAND_MODULES:
     importlib.import_module(f"fsm_calib.commands.{_module}").register(app)
 

@@ -1,0 +1,81 @@
+"""A sample of the fuzz campaign finds nothing, and the campaign finds and shrinks what is planted."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+from recording_samples import ROOT
+
+from fsm_calib.errors import InputError
+
+sys.path.insert(0, str(ROOT / "benchmarks"))
+_spec = importlib.util.spec_from_file_location("campaign", ROOT / "benchmarks" / "campaign.py")
+campaign = importlib.util.module_from_spec(_spec)
+sys.modules["campaign"] = campaign
+_spec.loader.exec_module(campaign)
+from campaign_readers import KINDS, Kind, damaged_text  # noqa: E402 - beside the benchmark
+
+FEW = {"fitted recording": 2}
+TOO_SHORT = {"manifest and CSV"}  # its sound form has too few poses to fit
+
+
+@pytest.mark.parametrize("name", sorted(KINDS))
+def test_sample_of_damaged_input_is_read_or_refused_with_a_sentence(name: str, tmp_path: Path) -> None:
+    found = campaign.Campaign.opened(tmp_path, 20)
+    found.run(name, KINDS[name], KINDS[name].sound(), FEW.get(name, 20))
+    assert found.findings == {}
+    assert sum(found.counts[name].values()) == FEW.get(name, 20)
+
+
+@pytest.mark.parametrize("name", sorted(KINDS.keys() - TOO_SHORT))
+def test_sound_input_is_read(name: str) -> None:
+    assert campaign.judge(KINDS[name], KINDS[name].sound()) == ("read", "")
+
+
+def fragile(folder: Path) -> None:
+    """Fail on a full stop in an unforeseen way, on a comma with a sentence that a terminal would obey."""
+    text = (folder / "a.txt").read_text("utf-8", "replace")
+    if "." in text:
+        raise ZeroDivisionError
+    raise InputError(f"bad {text}")
+
+
+PLANTED = Kind(lambda: {"a.txt": b"some words. and more of them"}, damaged_text, fragile)
+
+
+def test_unforeseen_exception_is_a_finding_with_its_place() -> None:
+    verdict, said = campaign.judge(PLANTED, PLANTED.sound())
+    assert verdict == "finding"
+    assert said.startswith("ZeroDivisionError at test_campaign.py:")
+    assert campaign.judge(PLANTED, {"a.txt": b"\x1b[2J"})[0] == "refused"
+
+
+def test_finding_is_shrunk_to_what_makes_it() -> None:
+    said = campaign.judge(PLANTED, PLANTED.sound())[1]
+    assert campaign.shrunk(PLANTED, PLANTED.sound(), said) == {"a.txt": b"."}
+
+
+def test_hang_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(campaign, "LONGEST_ANSWER", 0.05)
+
+    def endless(folder: Path) -> None:
+        while True:
+            pass
+
+    assert campaign.judge(Kind(PLANTED.sound, damaged_text, endless), PLANTED.sound()) == ("finding", "hang")
+
+
+def test_campaign_goes_on_where_it_was_and_keeps_repro_and_report(tmp_path: Path) -> None:
+    first = campaign.Campaign.opened(tmp_path, 3)
+    first.run("planted", PLANTED, PLANTED.sound(), 10)
+    first.save()
+    again = campaign.Campaign.opened(tmp_path, 3)
+    again.run("planted", PLANTED, PLANTED.sound(), 5)
+    again.save()
+    assert again.done == {"planted": 15}
+    (key,) = again.findings
+    assert (tmp_path / "repro" / key / "a.txt").read_bytes() == b"."
+    assert f"repro/{key}" in (tmp_path / "report.md").read_text()
+    with pytest.raises(SystemExit, match="seed 3"):
+        campaign.Campaign.opened(tmp_path, 4)
