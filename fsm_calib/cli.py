@@ -19,13 +19,15 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from fsm_calib.commands.options import EffectsOption
-from fsm_calib.errors import LONGEST_PART, FsmCalibError, shown
+from fsm_calib.commands.machine import tell_checked
+from fsm_calib.commands.options import EffectsOption, MachinesOption, machinery_of
+from fsm_calib.errors import LONGEST_PART, FsmCalibError, InputError, shown
 from fsm_calib.stops import Interrupted, on_stop_signals
 
 COMMAND_MODULES: tuple[str, ...] = (
     "run",
     "robot",
+    "machine",
     "recording",
     "camera",
     "extrinsics",
@@ -93,22 +95,32 @@ def _options(
 
 @app.command()
 def validate(
-    scenario: Annotated[Path, typer.Argument(help="A scenario or study file.", show_default=False)],
+    scenario: Annotated[
+        Path | None, typer.Argument(help="A scenario or study file.", show_default=False)
+    ] = None,
     effects: EffectsOption = None,
+    machines: MachinesOption = None,
 ) -> None:
-    """Check a scenario or a study: every error at once, each with file:line:column."""
+    """Check a scenario, a study or a machine: every error at once, each with file:line:column."""
     from fsm_calib.scenario.load import scenario_from
     from fsm_calib.scenario.yaml_source import read_yaml
     from fsm_calib.shipped import scenario_path
     from fsm_calib.study.load import is_study, study_from
 
+    machinery = machinery_of(machines)
+    if machines is not None:
+        tell_checked(machinery, machines)
+    elif scenario is None:
+        raise InputError("nothing to check", cure="Give a scenario or study file, or --machines FILE.py.")
+    if scenario is None:
+        return
     document = read_yaml(scenario_path(scenario))
     if is_study(document):
         study = study_from(document)
         typer.echo(f"{scenario}: valid ({study.name}: a study of {study.robots} robots)")
         return
-    loaded = scenario_from(document)
-    typer.echo(f"{scenario}: valid ({loaded.name}: {', '.join(loaded.plan)})")
+    loaded = scenario_from(document, machinery)
+    typer.echo(f"{scenario}: valid ({loaded.name}: {', '.join(loaded.plan) or machinery.root.name})")
 
 
 @app.command()
@@ -126,34 +138,6 @@ def schema(
         typer.echo(text, nl=False)
     else:
         out.write_text(text, encoding="utf-8")
-
-
-@app.command()
-def diagrams(
-    check: Annotated[
-        bool, typer.Option("--check", help="Change nothing; fail when a diagram is stale.")
-    ] = False,
-    out: Annotated[Path, typer.Option(help="Where the diagrams are.")] = Path("diagrams"),
-) -> None:
-    """Draw the machines: Mermaid text, DOT text and a picture of each, from their tables."""
-    from fsm_calib.machines.calibration import CALIBRATION
-    from fsm_calib.machines.investigate import INVESTIGATE
-    from fsm_calib.statechart.diagrams import stale_diagrams, write_diagrams
-    from fsm_calib.statechart.validate import check as check_tables
-
-    drawn = {out: CALIBRATION, out / INVESTIGATE.root.name: INVESTIGATE}
-    for machinery in drawn.values():
-        check_tables(machinery)
-    if not check:
-        for folder, machinery in drawn.items():
-            write_diagrams(machinery, folder)
-        typer.echo(f"diagrams written to {out}/")
-        return
-    stale = [str(path) for folder, machinery in drawn.items() for path in stale_diagrams(machinery, folder)]
-    if stale:
-        typer.echo(f"stale: {', '.join(stale)}. Run: fsm-calib diagrams", err=True)
-        raise typer.Exit(1)
-    typer.echo(f"{out}/ is current")
 
 
 for _variable in LINEAR_ALGEBRA_THREADS:

@@ -15,8 +15,12 @@ ROOMS = {
     "ports": GROUND,
     "outcome": GROUND,
     "perception": GROUND,
-    "world2d": GROUND | {"ports"},
-    "statechart": {"errors"},  # every machine's words; of ours only the errors, whose sentences users read
+    "world2d": GROUND | {"ports", "python_file"},
+    "python_file": {"errors"},
+    "statechart": {
+        "errors",
+        "python_file",
+    },  # knows no robot; of ours only errors and how files are loaded
     "machines": GROUND | {"outcome", "statechart"},
     "actions": GROUND | {"ports", "perception", "outcome"},
     "recording": GROUND | {"perception"},

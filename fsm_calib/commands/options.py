@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from fsm_calib.statechart.machinery import Machinery
 
 
 def _add_effects(files: list[Path] | None) -> list[Path] | None:
@@ -15,6 +18,36 @@ def _add_effects(files: list[Path] | None) -> list[Path] | None:
 
         add_effects(files)
     return files
+
+
+MachinesOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--machines",
+        metavar="FILE.py",
+        help="Take the machine that this file declares in place of the calibration (docs/own-machine.md).",
+        show_default=False,
+    ),
+]
+"""A machine from outside; `machinery_of` reads it."""
+
+
+def machinery_of(file: Path | None) -> Machinery:
+    """Return the machine that a file declares, or the calibration when there is none; its tables are sound.
+
+    Raises
+    ------
+    InputError
+        The file cannot be loaded or declares no machine, or a table is not sound.
+    """
+    from fsm_calib.machines.calibration import CALIBRATION
+    from fsm_calib.statechart.from_file import machinery_from
+    from fsm_calib.statechart.validate import check
+
+    if file is not None:
+        return machinery_from(file)
+    check(CALIBRATION)
+    return CALIBRATION
 
 
 EffectsOption = Annotated[

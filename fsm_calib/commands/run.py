@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fsm_calib.commands.options import EffectsOption
+from fsm_calib.commands.options import EffectsOption, MachinesOption, machinery_of
 from fsm_calib.commands.run_place import run_directory
 from fsm_calib.commands.watch import watched
 from fsm_calib.errors import InputError
 
 if TYPE_CHECKING:
     from fsm_calib.scenario.models import Scenario
+    from fsm_calib.statechart.machinery import Machinery
 
 
 SAFETY = """The robot at {address} will turn on the spot and drive over the floor markers and into the lane, by itself.
@@ -55,26 +56,27 @@ def run(
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real robot's wheels turn.")] = False,
     effects: EffectsOption = None,
+    machines: MachinesOption = None,
     watch: Annotated[bool, typer.Option("--watch", help="Serve a page that shows the run.")] = False,
 ) -> None:
     """Calibrate a robot as a scenario says: camera, wheels, exit, lane; simulated, or a real one with --robot."""
-    from fsm_calib.machines.calibration import CALIBRATION
     from fsm_calib.runner.connecting import address_of, with_robot
     from fsm_calib.runner.progress import ProgressBar
     from fsm_calib.runner.run import run_scenario
-    from fsm_calib.statechart.validate import check
     from fsm_calib.watch.area import write_area
 
-    loaded = with_robot(with_seed(read_scenario(scenario), seed), robot)
-    check(CALIBRATION)
+    machinery = machinery_of(machines)
+    loaded = with_robot(with_seed(read_scenario(scenario, machinery), seed), robot)
     directory = run_directory(out, resume, overwrite=overwrite)
     if loaded.robot.connect != "simulated":
         confirm(str(address_of(loaded)), yes)
     if resume is None:
         write_area(directory, loaded)
     with watched(directory, watch):
-        with ProgressBar(loaded.plan) as bar:
-            finished = run_scenario(loaded, directory, resume=resume is not None, observer=bar)
+        with ProgressBar(loaded.plan or (machinery.root.name,)) as bar:
+            finished = run_scenario(
+                loaded, directory, resume=resume is not None, observer=bar, machinery=machinery
+            )
         typer.echo(summary(finished.result, directory))
     if finished.result["outcome"] != "done":
         typer.echo(reason(finished.result, scenario, directory), err=True)
@@ -95,8 +97,8 @@ def confirm(address: str, yes: bool) -> None:
     raise InputError("the run was not agreed to", where="--robot", cure="Answer y, or give --yes.")
 
 
-def read_scenario(path: Path) -> Scenario:
-    """Return the scenario in a file.
+def read_scenario(path: Path, machinery: Machinery | None = None) -> Scenario:
+    """Return the scenario in a file, for the calibration or another machine.
 
     Raises
     ------
@@ -112,7 +114,7 @@ def read_scenario(path: Path) -> Scenario:
     if is_study(document):
         cure = f"Give it to: fsm-calib study {path}."
         raise InputError("this is a study, of many robots", where=str(path), cure=cure)
-    return scenario_from(document)
+    return scenario_from(document) if machinery is None else scenario_from(document, machinery)
 
 
 def with_seed(scenario: Scenario, seed: int | None) -> Scenario:

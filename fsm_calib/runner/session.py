@@ -10,16 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from fsm_calib.actions import ACTIVITIES, ActionSettings, Bench
-from fsm_calib.errors import DataError
+from fsm_calib.errors import DataError, InputError
 from fsm_calib.journal import Journal, read_checkpoint
 from fsm_calib.machines.calibration import CALIBRATION
-from fsm_calib.machines.limits import Limits
 from fsm_calib.robots.connection import Connection
 from fsm_calib.runner.connecting import connect, drive_again
 from fsm_calib.runner.gallery import Gallery
 from fsm_calib.runner.knowledge import teach
 from fsm_calib.runner.logged import LoggedRobot
-from fsm_calib.runner.loop import Run
+from fsm_calib.runner.loop import Activity, Run
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Observer
 from fsm_calib.scenario.models import Scenario
@@ -43,8 +42,8 @@ class Session:
         The area that the scenario draws; and the simulated robot in it.
     connection : Connection
         The robot, simulated or real.
-    limits : Limits
-        The machines' limits.
+    limits : dataclass
+        The machine's limits.
     settings : ActionSettings
         The actions' settings.
     run : Run
@@ -54,7 +53,7 @@ class Session:
     scenario: Scenario
     spec: WorldSpec
     connection: Connection
-    limits: Limits
+    limits: Any
     settings: ActionSettings
     run: Run
 
@@ -131,8 +130,9 @@ def _session(
     state: dict[str, Any] | None,
 ) -> Session:
     """Build the run; `state` is the checkpoint to go on from."""
+    activities = _activities(machinery)
     spec = world_of(scenario)
-    limits, settings = limits_of(scenario, spec.scene), actions_of(scenario, spec.scene)
+    limits, settings = limits_of(scenario, spec.scene, machinery), actions_of(scenario, spec.scene)
     with parts.part("compiling"):
         connection = connect(scenario, spec)
     frames = state["frames"] if state else 0
@@ -144,7 +144,7 @@ def _session(
         journal=Journal(directory, state["journal_length"], state["journal_chain"])
         if state
         else Journal(directory),
-        activities=ACTIVITIES | dict(machinery.does),
+        activities=activities,
         pose=connection.pose,
         parts=parts,
         observer=observer,
@@ -162,6 +162,22 @@ def _session(
     return Session(scenario, spec, connection, limits, settings, run)
 
 
+def _activities(machinery: Machinery) -> dict[str, Activity]:
+    """Return what carries out the machine's activities: its own functions, and those of the room `actions`.
+
+    Raises
+    ------
+    InputError
+        An activity has no function.
+    """
+    known = ACTIVITIES | dict(machinery.does)
+    for path, state in machinery.leaves.items():
+        if state.do and state.do not in known:
+            cure = f"Give {state.do!r} a function in `does`: it takes the bench and returns an Outcome."
+            raise InputError(f"nothing does the activity {state.do}", where=f"state {path}", cure=cure)
+    return known
+
+
 def _machine(machinery: Machinery, scenario: Scenario, limits: Any, state: dict[str, Any] | None) -> Machine:
     """Return the machine at its beginning or where the checkpoint stands."""
     if state is None:
@@ -172,5 +188,5 @@ def _machine(machinery: Machinery, scenario: Scenario, limits: Any, state: dict[
 
 def _gallery(scenario: Scenario, directory: Path, state: dict[str, Any] | None) -> Gallery:
     """Return the gallery; its frames are shared out among the phases."""
-    most = -(-scenario.output.frames // len(scenario.plan))
+    most = -(-scenario.output.frames // max(len(scenario.plan), 1))
     return Gallery.from_state(directory, most, state["gallery"] if state else [])

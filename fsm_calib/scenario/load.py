@@ -9,10 +9,13 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from fsm_calib.errors import InputError
+from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.scenario.explain import input_error
+from fsm_calib.scenario.machine import scenario_model
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.scene import boards_of
 from fsm_calib.scenario.yaml_source import YamlDocument, read_yaml
+from fsm_calib.statechart.machinery import Machinery
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -28,9 +31,9 @@ def load_scenario(path: str | Path) -> Scenario:
     return scenario_from(read_yaml(path))
 
 
-def scenario_from(document: YamlDocument) -> Scenario:
-    """Return the scenario in a parsed YAML document; see `load_scenario` for the errors."""
-    scenario = checked(document, Scenario, "a scenario", "scenarios/full_calibration.yaml")
+def scenario_from(document: YamlDocument, machinery: Machinery = CALIBRATION) -> Scenario:
+    """Return the scenario of a machine in a parsed YAML document; see `load_scenario` for the errors."""
+    scenario = checked(document, scenario_model(machinery), "a scenario", "scenarios/full_calibration.yaml")
     _check_together(scenario, document)
     return scenario
 

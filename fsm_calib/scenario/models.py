@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -224,6 +224,8 @@ class OutputSection(Section):
 class Scenario(Section):
     """One calibration run: who, where, which phases, with which settings and faults."""
 
+    phases: ClassVar[tuple[str, ...]] = PHASES
+
     name: str = Field(..., pattern=NAME_PATTERN, max_length=64, description="Name of the scenario.")
     seed: int = Field(
         default=0,
@@ -268,6 +270,6 @@ class Scenario(Section):
     @classmethod
     def _in_order(cls, plan: tuple[str, ...]) -> tuple[str, ...]:
         """Refuse a plan that repeats a phase or leaves the paper's order."""
-        if [phase for phase in PHASES if phase in plan] != list(plan):
-            raise ValueError(f"phases come once each and in the order {', '.join(PHASES)}")
+        if [phase for phase in cls.phases if phase in plan] != list(plan):
+            raise ValueError(f"phases come once each and in the order {', '.join(cls.phases)}")
         return plan

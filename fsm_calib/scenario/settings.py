@@ -9,10 +9,10 @@ from typing import Any
 from fsm_calib.actions.published import PUBLISHED as PUBLISHED_ACTIONS
 from fsm_calib.actions.published import with_published as actions_as_published
 from fsm_calib.actions.settings import ActionSettings
-from fsm_calib.machines.limits import PUBLISHED as PUBLISHED_LIMITS
-from fsm_calib.machines.limits import Limits
-from fsm_calib.machines.limits import with_published as limits_as_published
+from fsm_calib.machines.calibration import CALIBRATION
+from fsm_calib.scenario.machine import drawn_limits
 from fsm_calib.scenario.models import Scenario
+from fsm_calib.statechart.machinery import Machinery
 from fsm_calib.world2d.scene import BoardPlacement, MarkerField, SceneSpec
 
 MARKERS_AHEAD = 0.35
@@ -20,12 +20,15 @@ MARKERS_AHEAD = 0.35
 m on, and two columns of markers, 0.15 m apart, in what is left."""
 
 
-def limits_of(scenario: Scenario, scene: SceneSpec) -> Limits:
-    """Return the machines' limits: the boards are the scene's, published behaviours are switched on."""
+def limits_of(scenario: Scenario, scene: SceneSpec, machinery: Machinery = CALIBRATION) -> Any:
+    """Return the machine's limits: the boards are the scene's, published behaviours are switched on."""
     given = scenario.scene.boards.start_board
     start = board_ahead(scene.boards) if given is None else given
-    limits = scenario.limits.build(boards=max(len(scene.boards), 1), start_board=start)
-    return limits_as_published(limits, *(name for name in scenario.published if name in PUBLISHED_LIMITS))
+    drawn = {"boards": max(len(scene.boards), 1), "start_board": start}
+    limits = scenario.limits.build(**{name: drawn[name] for name in drawn_limits(machinery)})
+    for name in scenario.published:
+        limits = replace(limits, **machinery.published.get(name, {}))
+    return limits
 
 
 def board_ahead(boards: tuple[BoardPlacement, ...]) -> int:

@@ -56,6 +56,29 @@ class Explored:
         return found
 
 
+class Sampled(dict[str, Any]):
+    """Evidence of the check: asking for one that has no samples is refused, because the check would miss a way."""
+
+    def __init__(self, values: Iterable[tuple[str, Any]], unsampled: frozenset[str]) -> None:
+        super().__init__(values)
+        self._unsampled = unsampled
+
+    def __getitem__(self, key: str) -> Any:
+        """Return the value."""
+        self._refuse(key)
+        return super().__getitem__(key)
+
+    def get(self, key: str, default: Any = None) -> Any:
+        """Return the value, or `default`."""
+        self._refuse(key)
+        return super().get(key, default)
+
+    def _refuse(self, key: str) -> None:
+        if key in self._unsampled:
+            cure = "Give values on both sides of every threshold in `samples`."
+            raise InputError(f"the exhaustive check has no samples of the evidence {key}", cure=cure)
+
+
 def counted(machinery: Machinery) -> tuple[str, ...]:
     """Return the names of the books that tell configurations apart, in the order of a configuration's values."""
     return tuple(item.name for item in fields(machinery.books) if item.name not in UNCOUNTED)
@@ -64,15 +87,15 @@ def counted(machinery: Machinery) -> tuple[str, ...]:
 def outcomes(machinery: Machinery, leaf: str) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield every outcome that the activity of `leaf` may return, with every kind of evidence.
 
-    Raises
-    ------
-    InputError
-        The machinery has no samples of an evidence that is no truth value.
+    Truth values are both; other evidence has its samples. What has none is left out, and asking for it is refused.
     """
     for returned in machinery.contract[machinery.leaves[leaf].do].returns:
-        choices = [_samples(machinery, text) for text in returned.evidence]
-        for values in product(*choices):
-            yield returned.trigger, dict(zip(returned.keys, values, strict=True))
+        declared = zip(returned.keys, returned.evidence, strict=True)
+        choices = {key: _samples(machinery, key, text) for key, text in declared}
+        sampled = {key: values for key, values in choices.items() if values}
+        unsampled = frozenset(choices) - frozenset(sampled)
+        for values in product(*sampled.values()):
+            yield returned.trigger, Sampled(zip(sampled, values, strict=True), unsampled)
     yield from ((trigger, {}) for trigger in OPERATOR)
 
 
@@ -134,15 +157,11 @@ def _fired(probe: Probe, leaf: str, trigger: str, evidence: dict[str, Any]) -> b
         raise InputError(problem, where=f"state {leaf}", cure=cure) from error
 
 
-def _samples(machinery: Machinery, evidence: str) -> tuple[Any, ...]:
+def _samples(machinery: Machinery, key: str, evidence: str) -> tuple[Any, ...]:
     """Return values of an evidence, declared as ``key: what it is``, on both sides of every threshold."""
-    key, _, meaning = evidence.partition(":")
     if key in machinery.samples:
         return machinery.samples[key]
-    if meaning.strip().startswith("bool"):
-        return (True, False)
-    cure = "Give values on both sides of every threshold in `samples`."
-    raise InputError(f"the exhaustive check has no samples of the evidence {key}", cure=cure)
+    return (True, False) if evidence.partition(":")[2].strip().startswith("bool") else ()
 
 
 def _frozen(machinery: Machinery, books: Books) -> tuple[Any, ...]:

@@ -98,16 +98,10 @@ def _values(machinery: Machinery) -> Iterator[str]:
             return
     books = {item.name for item in fields(machinery.books)}
     limits = {item.name for item in fields(machinery.limits)}
-    yield from (
-        f"the books {name} are counted in a row, and there are none"
-        for name in machinery.streaks
-        if name not in books
-    )
-    yield from (
-        f"activities are told of the limit {name}, and there is none"
-        for name in machinery.briefed
-        if name not in limits
-    )
+    for name in sorted(set(machinery.streaks) - books):
+        yield f"the books have no {name} to count in a row. {nearest_names(name, books)}"
+    for name in sorted(set(machinery.briefed) - limits):
+        yield f"activities are told of the limit {name}, and there is none. {nearest_names(name, limits)}"
     for name in GOOD_ENDS:
         end = machinery.states.get(name)
         if end is None or end.inside or end.do:

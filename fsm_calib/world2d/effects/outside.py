@@ -8,32 +8,21 @@ starts. A file is code and runs with the user's rights: no folder is searched, o
 
 from __future__ import annotations
 
-import hashlib
-import importlib.util
 import os
-import sys
 from collections.abc import Iterable, Iterator
-from importlib.machinery import SourceFileLoader
 from importlib.metadata import entry_points
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import ModuleType
 from typing import Any
 
 from fsm_calib.errors import InputError
+from fsm_calib.python_file import module_of, unloadable
 from fsm_calib.world2d.effects.effect import Effect
 
 GROUP = "fsm_calib.effects"
 """Entry-point group of packages that bring effects."""
 VARIABLE = "FSM_CALIB_EFFECTS"
 """Environment variable with the files that are named, absolute, separated as in PATH."""
-
-
-class _AsItStands(SourceFileLoader):
-    """Reads a file's code from its text each time: bytecode kept beside it may be of an edit in the same second."""
-
-    def get_code(self, fullname: str) -> CodeType:
-        """Return the module's code."""
-        return self.source_to_code(self.get_data(self.path), self.path)
 
 
 def named_files() -> tuple[Path, ...]:
@@ -60,7 +49,7 @@ def outside_effects() -> Iterator[Effect]:
         try:
             loaded = point.load()
         except Exception as error:  # any code may raise anything
-            raise _unloadable(error, where, "Mend or uninstall the package.") from error
+            raise unloadable(error, where, "Mend or uninstall the package.") from error
         yield from _effects_in(loaded, where)
     for file in named_files():
         yield from effects_of(file)
@@ -68,41 +57,7 @@ def outside_effects() -> Iterator[Effect]:
 
 def effects_of(file: Path) -> list[Effect]:
     """Return the effects that a Python file declares; see `outside_effects` for the errors."""
-    return _effects_in(_module_of(file), str(file))
-
-
-def _module_of(file: Path) -> ModuleType:
-    """Return the file as a module, loaded once; its name is made of the file's name and place."""
-    place = hashlib.sha256(str(file).encode()).hexdigest()[:8]
-    name = "fsm_calib_outside_" + "".join(c if c.isalnum() else "_" for c in file.stem) + f"_{place}"
-    if name in sys.modules:
-        return sys.modules[name]
-    if not file.is_file() or file.suffix != ".py":
-        problem = "is no Python file" if file.exists() else "no such file"
-        raise InputError(problem, where=str(file), cure="Give a Python file that declares EFFECT.")
-    spec = importlib.util.spec_from_loader(name, _AsItStands(name, str(file)))
-    if spec is None or spec.loader is None:
-        raise InputError("cannot be loaded", where=str(file))
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except InputError as error:
-        del sys.modules[name]
-        raise InputError(error.problem, where=f"{file}: {error.where}", cure=error.cure) from error
-    except Exception as error:  # any code may raise anything
-        del sys.modules[name]
-        raise _unloadable(error, str(file), "Run it with python3 to see where.") from error
-    return module
-
-
-def _unloadable(error: Exception, where: str, cure: str) -> InputError:
-    line = f":{error.lineno}" if isinstance(error, SyntaxError) and error.lineno else ""
-    return InputError(
-        f"cannot be loaded ({type(error).__name__}: {getattr(error, 'msg', error)})",
-        where=f"{where}{line}",
-        cure=cure,
-    )
+    return _effects_in(module_of(file, declares="EFFECT"), str(file))
 
 
 def _effects_in(loaded: Any, where: str) -> list[Effect]:
