@@ -19,7 +19,7 @@ from identify_fuzz import NASTY, damage, files
 from rosbags.rosbag2 import StoragePlugin
 
 from fsm_calib.calibration_files import read_kinematics
-from fsm_calib.commands.camera import parse_board
+from fsm_calib.commands.camera_options import parse_board
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.journal import Journal, read_checkpoint
 from fsm_calib.perception.camera_files import (
