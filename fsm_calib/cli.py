@@ -96,12 +96,14 @@ def _options(
 @app.command()
 def validate(
     scenario: Annotated[
-        Path | None, typer.Argument(help="A scenario or study file.", show_default=False)
+        Path | None,
+        typer.Argument(help="A scenario, a study or a recording's manifest.", show_default=False),
     ] = None,
     effects: EffectsOption = None,
     machines: MachinesOption = None,
 ) -> None:
-    """Check a scenario, a study or a machine: every error at once, each with file:line:column."""
+    """Check a scenario, a study, a manifest or a machine: every error at once, each with file:line:column."""
+    from fsm_calib.commands.manifests import is_manifest, validate_manifest_command
     from fsm_calib.scenario.load import scenario_from
     from fsm_calib.scenario.yaml_source import read_yaml
     from fsm_calib.shipped import scenario_path
@@ -113,6 +115,9 @@ def validate(
     elif scenario is None:
         raise InputError("nothing to check", cure="Give a scenario or study file, or --machines FILE.py.")
     if scenario is None:
+        return
+    if is_manifest(scenario):
+        validate_manifest_command(scenario)
         return
     document = read_yaml(scenario_path(scenario))
     if is_study(document):
@@ -127,13 +132,17 @@ def validate(
 def schema(
     out: Annotated[Path | None, typer.Option(help="Write to this file instead of standard output.")] = None,
     study: Annotated[bool, typer.Option("--study", help="The schema of study files instead.")] = False,
+    recording: Annotated[
+        bool, typer.Option("--recording", help="The schema of recordings' manifests instead.")
+    ] = False,
     effects: EffectsOption = None,
 ) -> None:
-    """Print the JSON Schema of scenario files, or of study files, for editors."""
+    """Print the JSON Schema of scenario files, of study files or of manifests, for editors."""
+    from fsm_calib.recording.manifest_schema import manifest_schema_text
     from fsm_calib.scenario.schema import schema_text
     from fsm_calib.study.schema import study_schema_text
 
-    text = study_schema_text() if study else schema_text()
+    text = manifest_schema_text() if recording else study_schema_text() if study else schema_text()
     if out is None:
         typer.echo(text, nl=False)
     else:

@@ -17,12 +17,16 @@ from fsm_calib.commands.given import (
     named_by,
     recordings_given,
 )
+from fsm_calib.commands.manifests import init_command
 from fsm_calib.commands.options import EffectsOption
 
 
 def register(app: typer.Typer) -> None:
     """Add `identify` to the command line."""
     app.command("identify")(identify_command)
+    recording = typer.Typer(help="Recordings: write a manifest.", no_args_is_help=True)
+    recording.command("init")(init_command)
+    app.add_typer(recording, name="recording")
 
 
 def identify_command(

@@ -90,7 +90,7 @@ def _any_bag(path: Path, topics: dict[str, Topic], tag_map: TagMap | None, named
     """Return the channels that the topics of a bag tell, named or known."""
     facts = named.robot or RobotFacts()
     if facts.name == RobotFacts().name:
-        name = next((t.split("/")[1] for t in topics if t.count("/") > 1 and ":" not in t), facts.name)
+        name = next((t.split("/")[1] for t in topics if t.count("/") > 2 and "_node/" in t), facts.name)
         facts = replace(facts, name=name)
     where = str(path)
     used = _used(topics, named, where)
@@ -142,6 +142,18 @@ def _used(topics: dict[str, Topic], named: Named, where: str) -> dict[str, Topic
         else first_of(topics, "FSMState", ("fsm_node/mode",)) or _fsm_state(topics)
     )
     return {channel: topic for channel, topic in used.items() if topic is not None}
+
+
+def topics_used(topics: dict[str, Topic], where: str) -> tuple[dict[str, Topic], list[str]]:
+    """Return the topics that are read where none is named, and the sentences where several could be."""
+    doubts = []
+    for choose, kinds_of in ((measured_pose, ros.POSES), (commanded, ros.TWISTS)):
+        try:
+            choose(topics, kinds_of, where)
+        except InputError as error:
+            doubts.append(error.problem)
+            topics = {n: t for n, t in topics.items() if t.kind not in kinds_of}
+    return _used(topics, NOTHING, where), doubts
 
 
 def _fsm_state(topics: dict[str, Topic]) -> Topic | None:

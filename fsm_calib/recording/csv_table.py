@@ -69,6 +69,20 @@ def read_table(path: Path, numeric: Sequence[str], text: Sequence[str] = ()) -> 
     return Table(str(path), numbers, words, tuple(line for line, _ in rows))
 
 
+def header_of(path: Path) -> list[str]:
+    """Return the names of a table's columns.
+
+    Raises
+    ------
+    InputError
+        The file is missing, empty, truncated or not text.
+    """
+    for number, line in enumerate(read_lines(path), 1):
+        if line.strip():
+            return _header_names(path, number, line, _separator(line))
+    raise InputError("the file is empty; expected a header line and rows", where=f"{path}:1")
+
+
 def read_lines(path: Path) -> list[str]:
     """Read a UTF-8 text file, unpacked if its name ends in .gz, as lines; refuse endless lines and binary
     data.

@@ -38,7 +38,9 @@ def identify_from_yaw_rate(recordings: list[Recording]) -> Identification:
         np.array([nominal, nominal, 0.01]),
         correlated=int(CORRELATED_SECONDS / interval),
     )
-    sd = np.sqrt(np.diag(fit.covariance))
+    # rows that only ever drive straight leave a variance that rounding can make negative: nothing is told then
+    variance = np.diag(fit.covariance)
+    sd = np.sqrt(np.where(variance > 0.0, variance, np.inf))
     name, unit = f"{wheels.name}_over_axle", f"{wheels.scale_unit}/m"
     reason = (
         f"only the ratio of {wheels.name} to axle_length can be told: no channel saw the forward motion; "
@@ -64,7 +66,7 @@ def identify_from_yaw_rate(recordings: list[Recording]) -> Identification:
 
 
 def _told(value: float, sd: float, unit: str, side: str) -> Estimate:
-    if sd > 0.5 * abs(value):
+    if not sd <= 0.5 * abs(value):
         return unknown(unit, f"the {side} wheel hardly moved on its own")
     return Estimate(value, sd, unit)
 

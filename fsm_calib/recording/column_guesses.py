@@ -1,0 +1,147 @@
+"""Which columns of a table are which channel, guessed from their names: the first draft of a manifest.
+
+Names are compared without case and marks; a unit behind a name (``x_mm``, ``left [rpm]``) is taken for the channel's.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+TIMES = (
+    "t",
+    "time",
+    "times",
+    "timestamp",
+    "stamp",
+    "sec",
+    "seconds",
+    "datetime",
+    "rostime",
+    "headerstamp",
+    "date",
+)
+QUANTITIES: dict[str, tuple[str, ...]] = {
+    "x": ("x", "posx", "px", "positionx", "posepositionx", "poseposepositionx", "xpos"),
+    "y": ("y", "posy", "py", "positiony", "posepositiony", "poseposepositiony", "ypos"),
+    "theta": ("theta", "yaw", "heading", "psi", "th", "angle", "orientation", "phi", "h"),
+    "qx": ("qx", "orientationx", "poseorientationx", "quatx", "qux"),
+    "qy": ("qy", "orientationy", "poseorientationy", "quaty"),
+    "qz": ("qz", "orientationz", "poseorientationz", "quatz"),
+    "qw": ("qw", "orientationw", "poseorientationw", "quatw"),
+    "v": ("v", "linearx", "linx", "vx", "twistlinearx", "speed", "linear", "vlin", "cmdv"),
+    "omega": ("omega", "w", "angularz", "angz", "wz", "twistangularz", "angular", "vang", "cmdomega", "turn"),
+    "value": ("yawrate", "gyroz", "gz", "gyro", "angularvelocityz", "imuangz", "wzimu"),
+    "state": ("state", "mode", "phase"),
+}
+UNITS = {
+    "deg": "deg", "degree": "deg", "degrees": "deg", "rad": "rad", "rpm": "rpm", "mm": "mm", "cm": "cm", "m": "m",
+    "s": "s", "ms": "ms", "us": "us", "ns": "ns", "radps": "rad/s", "rads": "rad/s", "degps": "deg/s", "mps": "m/s",
+    "ms1": "m/s", "ticks": "tick", "tick": "tick", "counts": "tick", "mmps": "mm/s", "rads1": "rad/s",
+}  # fmt: skip
+SECONDS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+METRES = {"mm": 1e-3, "cm": 1e-2, "mm/s": 1e-3}
+
+
+@dataclass(frozen=True)
+class Guess:
+    """One channel of a manifest: its name, its section, and what was assumed, in words."""
+
+    channel: str
+    section: dict[str, object]
+    assumed: tuple[str, ...] = ()
+
+
+def plain(name: str) -> tuple[str, str]:
+    """Return a column's name without marks and unit, and the unit; empty where it names none."""
+    words = [
+        w for w in re.split(r"[^a-z0-9]+", name.lower().replace("rad/s", "radps").replace("m/s", "mps")) if w
+    ]
+    unit = UNITS.get(words[-1], "") if len(words) > 1 else ""
+    return "".join(words[:-1] if unit else words), unit
+
+
+def guessed(file: str, header: Sequence[str]) -> list[Guess]:
+    """Return the channels that a table seems to hold; none where no column is a time."""
+    named = {name: plain(name) for name in header}
+    time = next((n for n, (word, _) in named.items() if word in TIMES), None)
+    if time is None:
+        return []
+    base: dict[str, object] = {"file": file, "time": time}
+    if named[time][1] in SECONDS:
+        base["time_unit"] = SECONDS[named[time][1]]
+    found = {
+        key: next((n for n in header if named[n][0] in words), None) for key, words in QUANTITIES.items()
+    }
+    sides = {
+        s: next((n for n in header if s in n.lower() or named[n][0] in (s[0], f"u{s[0]}")), None)
+        for s in ("left", "right")
+    }
+    units = {name: unit for name, (_, unit) in named.items()}
+    return list(_channels(base, found, sides, units))
+
+
+def _of_side(side: str, header: Sequence[str], named: dict[str, tuple[str, str]]) -> str | None:
+    return next((n for n in header if side in n.lower() or named[n][0] in (side[0], f"u{side[0]}")), None)
+
+
+def _channels(
+    base: dict[str, object],
+    found: dict[str, str | None],
+    sides: dict[str, str | None],
+    units: dict[str, str],
+) -> Iterator[Guess]:
+    """Yield the channels of the columns that were found."""
+    if found["x"] and found["y"]:
+        yield _pose(base, found, units)
+    if found["v"] and found["omega"]:
+        section = base | {"v": found["v"], "omega": found["omega"], "unit": "twist"}
+        yield Guess(
+            "command", section | _angle(units[found["omega"]]), ("v and omega are commands, not measured",)
+        )
+    if sides["left"] and sides["right"]:
+        yield _wheels(
+            base | {"left": sides["left"], "right": sides["right"]}, sides["left"], units[sides["left"]]
+        )
+    if found["value"]:
+        unit = units[found["value"]]
+        yield Guess(
+            "yaw_rate", base | {"value": found["value"]} | ({"unit": unit} if unit.endswith("/s") else {})
+        )
+    if found["state"]:
+        yield Guess("state", base | {"state": found["state"]})
+
+
+def _angle(unit: str) -> dict[str, object]:
+    return {"angle_unit": "deg"} if unit.startswith("deg") else {}
+
+
+def _pose(base: dict[str, object], found: dict[str, str | None], units: dict[str, str]) -> Guess:
+    section = base | {"x": found["x"], "y": found["y"]}
+    unit = units[str(found["x"])]
+    section |= {"length_unit": METRES[unit]} if unit in METRES else {}
+    quaternion = [found[key] for key in ("qx", "qy", "qz", "qw")]
+    if all(quaternion):
+        return Guess("pose", section | {"quaternion": quaternion})
+    if found["theta"] is None:
+        return Guess("pose", section, ("no heading was found",))
+    return Guess("pose", section | {"theta": found["theta"]} | _angle(units[found["theta"]]))
+
+
+def _wheels(section: dict[str, object], name: str, unit: str) -> Guess:
+    """Return what left and right columns are, by their unit, else by their name."""
+    lower = name.lower()
+    if unit in ("rpm", "rad/s", "deg/s"):
+        return Guess("wheel_rate", section | {"unit": unit})
+    if unit in ("m/s", "mm/s"):
+        return Guess(
+            "wheel_speed", section | {"unit": "m/s"} | ({"length_unit": 1e-3} if unit == "mm/s" else {})
+        )
+    if unit == "tick" or "tick" in lower or "enc" in lower:
+        return Guess("wheel_angle", section | {"unit": "tick"}, ("add ticks_per_turn where you know it",))
+    if unit in ("rad", "deg"):
+        return Guess("wheel_angle", section | {"unit": unit})
+    if "rate" in lower or "omega" in lower or "vel" in lower:
+        return Guess("wheel_rate", section, ("rates in rad/s; rpm and deg/s show and are told",))
+    return Guess("command", section | {"unit": "normalized"}, ("left and right are commands from -1 to 1",))
