@@ -22,7 +22,7 @@ from typing import Any
 
 import numba
 
-from fsm_calib.world2d import arithmetic, dynamics, forces, loop, slots, tyres
+from fsm_calib.world2d import arithmetic, dynamics, forces, loop, plain, slots, tyres
 from fsm_calib.world2d.effects import Effect, per_catalogue, registry
 from fsm_calib.world2d.effects.code import constants_of, files_of, texts_of
 from fsm_calib.world2d.effects.vocabulary import COMPILED_HOOKS
@@ -46,6 +46,7 @@ import numpy as np
 from numba import njit
 from fsm_calib.world2d.arithmetic import ARITHMETIC, EXACT
 from fsm_calib.world2d.dynamics import *
+from fsm_calib.world2d.plain import glide, is_plain
 from fsm_calib.world2d.tyres import add_tyres
 from fsm_calib.world2d.slots import *
 OUTPUTS = {outputs}
@@ -145,7 +146,7 @@ def _digest(text: str, bare: bool) -> str:
     digest = hashlib.sha256(text.encode())
     digest.update(f"{sys.version} {numba.__version__}".encode())
     hooks = [effect.hooks[stage] for stage in COMPILED_HOOKS for effect in _hooked(stage, bare)]
-    files = {Path(inspect.getfile(m)) for m in (arithmetic, dynamics, forces, tyres, slots, loop)}
+    files = {Path(inspect.getfile(m)) for m in (arithmetic, dynamics, forces, tyres, plain, slots, loop)}
     for file in sorted(files | files_of(hooks)):
         digest.update(file.read_bytes())
     digest.update("\n".join([*texts_of(hooks), *constants_of(hooks)]).encode())

@@ -23,6 +23,7 @@ from fsm_calib.world2d.dynamics import (
     place_robot,
     share_load,
 )
+from fsm_calib.world2d.plain import glide, is_plain
 from fsm_calib.world2d.slots import (
     BENCH_SIZE,
     COM_X,
@@ -141,11 +142,14 @@ def run(P, on, memory, looks, times, left, right, samples, start, track, limit, 
     level_l, total_l = integrate_levels(P, on, times, left, 0)
     level_r, total_r = integrate_levels(P, on, times, right, 1)
     late, last, j = delay(P, on), times.size - 1, 0
+    keep(out, 0, S)
+    if is_plain(W):
+        glide(P, W, S, late, times, level_l, total_l, level_r, total_r, samples, limit, out)
+        return
     t = samples[0] - late
     while j < last and times[j + 1] <= t:
         j += 1
     at_l, at_r = total_l[j] + level_l[j] * (t - times[j]), total_r[j] + level_r[j] * (t - times[j])
-    keep(out, 0, S)
     for k in range(samples.size - 1):
         span = samples[k + 1] - samples[k]
         n = max(1, math.ceil(span / limit - 0.02))
