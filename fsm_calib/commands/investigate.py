@@ -13,13 +13,12 @@ from fsm_calib.commands.files import STANDARD_OUTPUT, check_places, write_file
 from fsm_calib.commands.given import recordings_given
 from fsm_calib.commands.options import EffectsOption
 from fsm_calib.commands.run import read_scenario, with_seed
-from fsm_calib.errors import InputError, shown_lines
+from fsm_calib.commands.run_place import run_directory
+from fsm_calib.errors import shown_lines
 
 if TYPE_CHECKING:
     from fsm_calib.runner.investigation.run import Investigation
     from fsm_calib.scenario.models import Scenario
-
-DEFAULT_OUT = Path("out/investigation")
 
 
 def register(app: typer.Typer) -> None:
@@ -44,10 +43,13 @@ def investigate_command(
         Path | None,
         typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Where files go (default: out/investigation).")] = None,
+    out: Annotated[Path | None, typer.Option(help="Where files go (default: out).")] = None,
     resume: Annotated[
         Path | None, typer.Option(help="Go on with the investigation in this directory.")
     ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")
+    ] = False,
     seed: Annotated[int | None, typer.Option(help="Another seed than the scenario's.")] = None,
     effects: EffectsOption = None,
 ) -> None:
@@ -55,14 +57,10 @@ def investigate_command(
     from fsm_calib.runner.investigation.run import investigate
     from fsm_calib.runner.progress import ProgressBar
 
-    if resume is not None and out is not None and out != resume:
-        raise InputError(
-            "--out and --resume name two directories", where="--out", cure="Give --resume alone."
-        )
     check_places(json_file)
     loaded = asked_of(scenario, robot, budget, seed)
     recordings, _ = recordings_given(given or (), (), tag_map=None)
-    directory = resume or out or DEFAULT_OUT
+    directory = run_directory(out, resume, overwrite=overwrite)
     with ProgressBar(()) as bar:
         going, result = investigate(
             loaded, directory, given=recordings, resume=resume is not None, observer=bar

@@ -34,7 +34,8 @@ class Wishes:
     longest, shortest [s]; limit : largest command [1]; overhead [s] :
     what a drive costs beside itself; least [nat] : information below which a drive is not worth it; draws : of every
     explanation's numbers, for the promise; careful : of them, for the bounds; retried : manoeuvres that are weighed
-    again at every step.
+    again at every step; caution : by how much more evidence is distrusted while composing than in the promise, for a
+    drive that somebody has to set up and that should settle at once.
     """
 
     longest: float = 30.0
@@ -45,6 +46,12 @@ class Wishes:
     draws: int = 48
     careful: int = 4
     retried: int = 16
+    caution: float = 1.0
+
+
+def played(longest: float) -> Wishes:
+    """Return the wishes for a drive that a person sets up and plays: long enough to settle what it can at once."""
+    return Wishes(longest=longest, shortest=min(20.0, 0.6 * longest), overhead=60.0, caution=3.0)
 
 
 def design(
@@ -100,9 +107,9 @@ class Composer:
         spent, known, rates = 0.0, 0.0, dict[str, float]()
         while True:
             best: tuple[float, Primitive, FloatArray, float] | None = None
-            for option in self._promising(starts, spent, rates):
+            for option in self._promising(starts, spent, rates, chosen):
                 grown = gram + self.foresight.gram(option.holds, starts[0])
-                told = information(distances(grown, columns, pairs), p, TEMPER)
+                told = information(distances(grown, columns, pairs), p, TEMPER * self.wishes.caution)
                 rates[option.name] = rate = (told - known) / option.duration
                 if best is None or rate > best[0]:
                     best = (rate, option, grown, told)
@@ -113,12 +120,17 @@ class Composer:
             spent += option.duration
             starts = self.foresight.paths(option.holds, starts)[:, -1]
 
-    def _promising(self, starts: FloatArray, spent: float, rates: Mapping[str, float]) -> list[Primitive]:
+    def _promising(
+        self, starts: FloatArray, spent: float, rates: Mapping[str, float], chosen: Sequence[Primitive]
+    ) -> list[Primitive]:
         """Return the options that told most per second when they were last tried, new ones first.
 
         What a manoeuvre adds hardly ever grows as others are added (Minoux, Optimization Techniques (1978) 234).
+        A cautious drive repeats none: equations are inexact alike in every repetition.
         """
-        options = sorted(self.options(starts, spent), key=lambda p: -rates.get(p.name, math.inf))
+        names = {p.name for p in chosen} if self.wishes.caution > 1.0 else set()
+        fresh = [p for p in self.options(starts, spent) if p.name not in names]
+        options = sorted(fresh, key=lambda p: -rates.get(p.name, math.inf))
         new = sum(p.name not in rates for p in options)
         return options[: new + self.wishes.retried]
 

@@ -32,7 +32,7 @@ from fsm_calib.runner.run import Stopped, clear, stop_on_signals
 from fsm_calib.runner.session import check_same, identity
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.world import world_of
-from fsm_calib.statechart.runtime import Machine
+from fsm_calib.statechart.runtime import Failure, Machine
 from fsm_calib.types import WheelCalibration
 from fsm_calib.world2d.overhead import OverheadTracker
 from fsm_calib.world2d.scene import SceneSpec
@@ -196,6 +196,15 @@ def area_of(asked: Any, scene: SceneSpec) -> Area:
     return Area(x - half_x, x + half_x, y - half_y, y + half_y, asked.margin, tuple(discs))
 
 
+def _why_ended(failure: Failure | None, state: str, verdict: dict[str, Any]) -> dict[str, str]:
+    """Return reason and cure: of what ended the run, or the verdict's own reason where it came to its end."""
+    if failure is not None:
+        return {"reason": failure.reason, "cure": failure.cure}
+    if state == "aborted":
+        return {"reason": "The investigation was stopped.", "cure": "Go on with --resume."}
+    return {"reason": verdict.get("reason", ""), "cure": ""}
+
+
 def result_of(going: Investigation, wall: float) -> dict[str, Any]:
     """Return the content of investigation.json: the diagnosis' own, with the drives, how it ended, and what it cost."""
     findings, machine = going.bench.findings, going.run.machine
@@ -216,8 +225,7 @@ def result_of(going: Investigation, wall: float) -> dict[str, Any]:
         **verdict,
         "drives": drives,
         "ended": machine.state,
-        "reason": failure.reason if failure else verdict.get("reason", ""),
-        "cure": failure.cure if failure else "",
+        **_why_ended(failure, machine.state, verdict),
         "sureness": None if going.mind.belief is None else round(going.mind.belief.sureness, 4),
         "robot": {"seconds": going.run.robot.now(), "distance_m": round(findings.distance, 3)},
         "seconds": round(wall, 2),
