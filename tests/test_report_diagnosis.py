@@ -25,6 +25,7 @@ from fsm_calib.world2d.parameters import parameters
 from fsm_calib.world2d.rollout import Drive
 
 CONSIDERED = {"motor_deadband", "floor_tilt", "tyre_scrub"}
+HOSTILE = "<script>alert(1)</script>"
 NOISE = np.array([0.002, 0.002, 0.006])
 
 
@@ -39,10 +40,12 @@ def recording(seed: int, seconds: float = 40.0) -> Recording:
     poses = predict(truth, Drive(times, left, right), stamps, (0.0, 0.0, 0.0)).poses
     x, y, theta = (poses + rng.normal(size=poses.shape) * NOISE).T
     return Recording(
-        robot=RobotFacts("bot", 0.0318, 0.1, 20.0),
+        robot=RobotFacts(HOSTILE, 0.0318, 0.1, 20.0),
         command=CommandTrack(times, left, right),
         pose=PoseTrack(stamps, x, y, theta),
-        state=StateTrack(np.array([0.0, 15.0]), ("wheels.shuttling", "exit.driving")),
+        state=StateTrack(
+            np.array([0.0, 15.0, 30.0]), ("wheels.shuttling", "exit.driving", f"lane.{HOSTILE}")
+        ),
         source=f"run-{seed}.recording.yaml",
     )
 
@@ -81,6 +84,11 @@ def test_the_page_draws_every_recording_the_unseen_first(page: str) -> None:
 def test_the_ribbon_names_the_machines_states(page: str) -> None:
     assert "wheels.shuttling" in page
     assert "exit.driving" in page
+
+
+def test_a_name_from_a_recording_is_shown_and_never_run(page: str) -> None:
+    assert "alert(1)" in page
+    assert HOSTILE not in page
 
 
 def test_the_page_gives_the_effects_parameter_with_its_interval(page: str, diagnosis: Diagnosis) -> None:

@@ -28,6 +28,7 @@ from fsm_calib.recording.channels import (
 )
 from fsm_calib.recording.checks import checked
 from fsm_calib.recording.csv_table import Table, read_table
+from fsm_calib.recording.inside import named_file
 from fsm_calib.recording.manifest_schema import (
     BagManifest,
     ChannelSection,
@@ -65,7 +66,7 @@ def read_manifest(path: Path, tag_map: TagMap | None = None) -> Recording:
     """
     placed = read_yaml(path)
     manifest = validate_manifest(placed)
-    facts = _robot_of(path, manifest.robot)
+    facts = _robot_of(path, manifest.robot, placed.place(("robot", "urdf")))
     if isinstance(manifest, BagManifest):
         return _bag(path, manifest, facts, tag_map, placed.place(("bag",)))
     sections: dict[str, ChannelSection] = {n: s for n, s in manifest.channels if s is not None}
@@ -110,10 +111,12 @@ def _stated(sections: Mapping[str, ChannelSection]) -> set[str]:
     return {name for name, (section, key) in keys.items() if key in settings.get(section, ())}
 
 
-def _robot_of(path: Path, section: RobotSection) -> RobotFacts:
+def _robot_of(path: Path, section: RobotSection, place: str) -> RobotFacts:
     """Return what the manifest says of the robot, and what the description that it names says besides."""
     facts = RobotFacts(**section.model_dump(exclude={"urdf"}))
-    return facts if section.urdf is None else with_facts(facts, read_robot_file(path.parent / section.urdf))
+    if section.urdf is None:
+        return facts
+    return with_facts(facts, read_robot_file(named_file(path, section.urdf, place)))
 
 
 def _bag(
@@ -123,7 +126,7 @@ def _bag(
     # bags need a heavy library that tables do not
     from fsm_calib.recording.bags import read_bag
 
-    bag = path.parent / manifest.bag
+    bag = named_file(path, manifest.bag, place)
     if not bag.exists():
         raise InputError(
             f"the bag {manifest.bag!r} does not exist",
@@ -150,8 +153,8 @@ def _read_section(manifest: Path, section: ChannelSection, place: str) -> Table:
     numeric += list(getattr(section, "quaternion", None) or ())
     text = [section.state] if isinstance(section, StateSection) else []
     text += [section.time] if section.time is not None else []
-    file = manifest.parent / section.file
-    if "\0" in section.file or not file.is_file():
+    file = named_file(manifest, section.file, place)
+    if not file.is_file():
         raise InputError(
             f"the file {section.file!r} does not exist",
             where=place,
