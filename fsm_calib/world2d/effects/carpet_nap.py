@@ -1,6 +1,7 @@
 r"""A carpet's pile resists more against its lie than along it.
 
     F = -(|n| - n . d) d        d = e v / sqrt(v^2 + v_b^2)
+    F = p v^2 / (v^2 + v_b^2)   as a pull on whatever moves, along the lie of the pile
 
 e: unit vector ahead in `world`, v [m/s] the speed along it, n [N]: the nap's vector, pointing where driving is
 easiest: no additional drag along it, |n| across it, 2 |n| against it. It only ever resists. v_b [m/s]: while a robot
@@ -14,8 +15,8 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.forces import add_dry_friction
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.forces import add_dry_friction, add_force
 from fsm_calib.world2d.slots import COS, MASS, SIN, V
 
 BENT_SPEED = 0.01  # m/s, above which a pile resists in full
@@ -28,6 +29,8 @@ def resist(P, o, S, m, W):
     ease = (W[COS] * P[o] + W[SIN] * P[o + 1]) * bent
     drag = max(math.hypot(P[o], P[o + 1]) - ease, 0.0)
     add_dry_friction(W, 0.0, 0.0, 1.0, 0.0, S[V], drag * abs(bent), W[MASS])
+    pull_x, pull_y = P[o + 2] * bent * bent, P[o + 3] * bent * bent
+    add_force(W, W[COS] * pull_x + W[SIN] * pull_y, W[COS] * pull_y - W[SIN] * pull_x, 0.0)
 
 
 EFFECT = Effect(
@@ -49,6 +52,10 @@ EFFECT = Effect(
             mirror="negate",
             starts=(0.0, 0.2, -0.2),
         ),
+        Parameter(
+            "pull_x", "p_x", "N", 0.0, -3.0, 3.0, 0.0, "robots drift by 1 to 5 % of the way along the pile"
+        ),
+        Parameter("pull_y", "p_y", "N", 0.0, -3.0, 3.0, 0.0, "the same across", mirror="negate"),
     ),
     hooks={"step": resist},
     reads=("heading",),
@@ -59,6 +66,15 @@ EFFECT = Effect(
     manoeuvre="straights on four headings, each followed by a rest with the wheels at zero",
     sentence="A carpet's nap eases driving along ({x}, {y}) and resists against it.",
     source="rolling resistance on pile carpet, lowest harmonic (assumed)",
+    closures=(
+        Closure("drag by direction", ("x", "y"), "resists more against its lie"),
+        Closure(
+            "pull along the pile",
+            ("pull_x", "pull_y"),
+            "takes a moving robot with it",
+            sentence="A carpet's pile pulls the moving robot by ({pull_x}, {pull_y}) along its lie.",
+            source="robot vacuum makers: carpet drift compensation (US 8,749,196 B2, iRobot)",
+        ),
+    ),
     order=81,
-    dissipative=True,
 )

@@ -32,7 +32,7 @@ EFFECT = Effect(
             0.05,
             0.003,
             "1e-5 to 1e-3, more for software",
-            starts=(0.002, -0.002),
+            starts=(0.002, -0.002, 0.01, -0.01, 0.025, -0.025),
         ),
     ),
     hooks={"clock": drift},

@@ -2,26 +2,35 @@ r"""Dry friction in motor and gearbox: a torque that always opposes the wheel's 
 
     R F = tau_motor - tau_c sgn(w)            w != 0
     w = 0                                     |tau_motor - R F_tyre| <= tau_c
+    tau_c + tau_s exp(-|w| / w_s)             with a Stribeck part: more at small speeds
 
-tau_c [N m] friction torque of one wheel: friction, plus or minus half the difference for left and right; R
-[m] wheel radius, w [m/s] rim speed, F [N] force at the rim. Sources: Armstrong-Helouvry, Dupont & Canudas de
-Wit, Automatica 30 (1994) 1083, section 2; Park, Lee & Kuipers, ICRA 2017 (dry friction of a small
-differential drive).
+tau_c [N m] friction torque of one wheel: friction, plus or minus half the difference for left and right; tau_s
+[N m] what it takes beyond that to break away, w_s [m/s] the Stribeck speed; R [m] wheel radius, w [m/s] rim
+speed, F [N] force at the rim. Sources: Armstrong-Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083,
+section 2; Park, Lee & Kuipers, ICRA 2017 (dry friction of a small differential drive).
 """
 
 from __future__ import annotations
 
+import math
+
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.slots import DRY, RADIUS
+from fsm_calib.world2d.slots import DRY, RADIUS, RIM
+
+STRIBECK = 0.1
+"""Rim speed over which the breakaway part fades [m/s] (Armstrong-Helouvry et al. 1994: 0.01 to 0.1)."""
 
 
 @njit(error_model="numpy")
 def resist(P, o, S, m, W):
     """Add the friction, as a force at the rim."""
     for side in range(2):
-        W[DRY + side] += max(P[o] + (0.5 - side) * P[o + 1], 0.0) / W[RADIUS + side]
+        torque = max(P[o] + (0.5 - side) * P[o + 1], 0.0)
+        if P[o + 2] != 0.0:
+            torque += P[o + 2] * math.exp(-abs(S[RIM + side]) / STRIBECK)
+        W[DRY + side] += torque / W[RADIUS + side]
 
 
 EFFECT = Effect(
@@ -44,6 +53,7 @@ EFFECT = Effect(
         Parameter(
             "difference", "delta_tau", "N m", 0.0, -0.1, 0.1, 0.004, "left more than right", mirror="negate"
         ),
+        Parameter("breakaway", "tau_s", "N m", 0.0, 0.0, 0.1, 0.0, "as much again as tau_c", starts=(0.006,)),
     ),
     hooks={"step": resist},
     channels=("forward", "turn"),
@@ -57,6 +67,12 @@ EFFECT = Effect(
     closures=(
         Closure("both alike", ("friction",), "the same in both drive trains"),
         Closure("each its own", ("friction", "difference"), "more in one drive train than in the other"),
+        Closure(
+            "Stribeck",
+            ("friction", "breakaway"),
+            "more at small speeds",
+            sentence="Dry friction takes {friction} from each motor and {breakaway} more near standstill.",
+        ),
     ),
     order=70,
     dissipative=True,

@@ -3,9 +3,9 @@ r"""Slowing down takes another time than speeding up.
     F = D (T - w) a,    a = 1 where the motor drives, a = 1 / ratio where it brakes ((T - w) w < 0)
 
 F [N] at the rim, D [N s/m], T no-load and w actual rim speed [m/s]; ratio [1] = time constant of slowing down
-over that of speeding up: above 1 for a driver that lets the motor coast, below 1 for one that shorts it. The
-change is spread over 1 cm/s around standstill and no-load. Source: H-bridge decay modes, e.g. TI DRV8833 data
-sheet, section 7.3.2.
+over that of speeding up: above 1 for a driver that lets the motor coast, below 1 for one that shorts it. It may
+be one motor's alone (r_l, r_r). The change is spread over 1 cm/s around standstill and no-load. Source:
+H-bridge decay modes, e.g. TI DRV8833 data sheet, section 7.3.2.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import DRIVE, RIM, TARGET
 
 SOFT = 0.01
@@ -28,7 +28,15 @@ def brake(P, o, S, m, W):
         rim = S[RIM + side]
         against = (W[TARGET + side] - rim) * rim
         share = 0.5 - 0.5 * against / math.sqrt(against * against + SOFT**4)
-        W[DRIVE + side] *= 1.0 + share * (1.0 / P[o] - 1.0)
+        W[DRIVE + side] *= 1.0 + share * (1.0 / (P[o] * P[o + 1 + side]) - 1.0)
+
+
+def _of_wheel(side: str, other: str) -> Parameter:
+    """Return the ratio of one motor alone."""
+    return Parameter(
+        f"ratio_{side}", f"r_{side[0]}", "1", 1.0, 0.2, 5.0, 1.0, "one channel of the driver set otherwise",
+        starts=(0.7, 1.5), mirror=f"swap:ratio_{other}",
+    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -40,6 +48,8 @@ EFFECT = Effect(
         Parameter(
             "ratio", "r", "1", 1.0, 0.2, 5.0, 1.6, "coast against brake: 1.3 to 2.5", starts=(0.7, 1.5)
         ),
+        _of_wheel("left", "right"),
+        _of_wheel("right", "left"),
     ),
     hooks={"step": brake},
     channels=("forward", "turn"),
@@ -50,6 +60,21 @@ EFFECT = Effect(
     sentence="Slowing down takes {ratio} times as long as speeding up.",
     source="TI DRV8833 data sheet, decay modes",
     input="command",
+    closures=(
+        Closure("both alike", ("ratio",), "the same in both motors"),
+        Closure(
+            "left wheel",
+            ("ratio_left",),
+            "of the left motor alone",
+            sentence="The left motor takes {ratio_left} times as long to slow down as to speed up.",
+        ),
+        Closure(
+            "right wheel",
+            ("ratio_right",),
+            "of the right motor alone",
+            sentence="The right motor takes {ratio_right} times as long to slow down as to speed up.",
+        ),
+    ),
     order=60,
     dissipative=True,
 )

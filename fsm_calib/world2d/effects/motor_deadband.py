@@ -3,10 +3,10 @@ r"""The motor does not answer small commands, or the driver over-compensates for
     u_effective = sgn(u) max(|u| - d, 0)          d >= 0 (dead zone)
     u_effective = sgn(u) (|u| - d)                d < 0 (over-compensated), for |u| > 0.01, else 0
 
-u [1] command, d [1] offset. Duckietown's driver adds PWM 60 of 255 (0.235) to every command above 0.01 to
-cancel the motor's own dead zone; what is left over has either sign. Sources: dagu_wheels_driver.py
-(dt-duckiebot-interface); Tao & Kokotovic, Adaptive Control of Systems with Actuator and Sensor
-Nonlinearities, 1996, chapter 2.
+u [1] command, d [1] offset of both wheels, or of the left and the right each (d_l, d_r come on top).
+Duckietown's driver adds PWM 60 of 255 (0.235) to every command above 0.01 to cancel the motor's own dead zone;
+what is left over has either sign. Sources: dagu_wheels_driver.py (dt-duckiebot-interface); Tao & Kokotovic,
+Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996, chapter 2.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 
 RELEASE = 0.01
 """Command below which the driver releases the motor [1] (dagu_wheels_driver.py)."""
@@ -24,10 +24,18 @@ RELEASE = 0.01
 @njit(error_model="numpy")
 def offset(P, o, u, side):
     """Return the command without the offset."""
-    size = abs(u)
-    if P[o] < 0.0 and size <= RELEASE:
+    size, lost = abs(u), P[o] + P[o + 1 + side]
+    if lost < 0.0 and size <= RELEASE:
         return 0.0
-    return math.copysign(max(size - P[o], 0.0), u)
+    return math.copysign(max(size - lost, 0.0), u)
+
+
+def _of_wheel(side: str, other: str) -> Parameter:
+    """Return the offset of one wheel alone."""
+    return Parameter(
+        f"offset_{side}", f"d_{side[0]}", "1", 0.0, -0.6, 0.4, 0.0, "gears of one motor run dry, one driver is trimmed",
+        starts=(0.04, -0.04), mirror=f"swap:offset_{other}",
+    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -47,6 +55,8 @@ EFFECT = Effect(
             "driver: 60/255 added, residual either sign; loaded DB18: -0.9 (docs/robots/duckiebot-watchtower.md)",
             starts=(0.04, -0.04, -0.4),
         ),
+        _of_wheel("left", "right"),
+        _of_wheel("right", "left"),
     ),
     hooks={"shape": offset},
     channels=("forward", "turn"),
@@ -57,6 +67,27 @@ EFFECT = Effect(
     sentence="The motors lose {offset} of every command (negative: the driver adds too much).",
     source="Duckietown dagu_wheels_driver.py; Tao & Kokotovic 1996",
     input="command",
+    closures=(
+        Closure("both alike", ("offset",), "the same piece of both commands"),
+        Closure(
+            "left wheel",
+            ("offset_left",),
+            "of the left wheel alone",
+            sentence="The left motor loses {offset_left} of every command (negative: the driver adds too much).",
+        ),
+        Closure(
+            "right wheel",
+            ("offset_right",),
+            "of the right wheel alone",
+            sentence="The right motor loses {offset_right} of every command (negative: the driver adds too much).",
+        ),
+        Closure(
+            "each its own",
+            ("offset_left", "offset_right"),
+            "another piece of each command",
+            sentence="The motors lose {offset_left} (left) and {offset_right} (right) of every command.",
+        ),
+    ),
     order=30,
     dissipative=True,
 )

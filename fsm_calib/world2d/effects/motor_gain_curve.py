@@ -1,27 +1,41 @@
 r"""Speed is not proportional to command: the gain falls (or grows) with the command.
 
     u_effective = u (1 - gamma |u|)           |u| <= 1 / (2 gamma), constant beyond
+    u_effective = u |u|^p                     as a power law
 
-u [1] command, gamma [1] curvature: at command u the motor lacks gamma |u| of what its gain at small commands
-promises. Drivers that recirculate current and batteries with inner resistance bend the line down. Source:
-Sedra & Smith, Microelectronic Circuits, 7th ed., section 12 (output stages); DB18 measurements scatter by 5
-to 15 % (duckietown-world).
+u [1] command, gamma [1] curvature, of both wheels or (gamma_l, gamma_r) of one, p [1] exponent beyond one: at
+command u the motor lacks gamma |u| of what its gain at small commands promises. Drivers that recirculate
+current and batteries with inner resistance bend the line down. Source: Sedra & Smith, Microelectronic Circuits,
+7th ed., section 12 (output stages); DB18 measurements scatter by 5 to 15 % (duckietown-world).
 """
 
 from __future__ import annotations
 
+import math
+
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 
 
 @njit(error_model="numpy")
 def bend(P, o, u, side):
     """Return the bent command."""
-    size = abs(u)
-    if P[o] > 0.0:
-        size = min(size, 0.5 / P[o])
-    return (1.0 - P[o] * size) * (size if u > 0.0 else -size)
+    size, gamma = abs(u), P[o] + P[o + 1 + side]
+    if gamma > 0.0:
+        size = min(size, 0.5 / gamma)
+    size *= 1.0 - gamma * size
+    if P[o + 3] != 0.0 and size > 0.0:
+        size = math.pow(size, 1.0 + P[o + 3])
+    return size if u > 0.0 else -size
+
+
+def _of_wheel(side: str, other: str) -> Parameter:
+    """Return the curvature of one wheel alone."""
+    return Parameter(
+        f"curvature_{side}", f"gamma_{side[0]}", "1", 0.0, -1.5, 1.5, 0.0, "one driver channel, one worn motor",
+        starts=(0.2, -0.2), mirror=f"swap:curvature_{other}",
+    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -41,6 +55,11 @@ EFFECT = Effect(
             "0.05 to 0.15 of gain lost at full command",
             starts=(0.2, -0.2),
         ),
+        _of_wheel("left", "right"),
+        _of_wheel("right", "left"),
+        Parameter(
+            "power", "p", "1", 0.0, -0.6, 1.5, 0.0, "drivers with exponential maps", starts=(0.2, -0.15)
+        ),
     ),
     hooks={"shape": bend},
     channels=("forward", "turn"),
@@ -51,5 +70,33 @@ EFFECT = Effect(
     sentence="The motors' gain changes by {curvature} of itself over the range of commands.",
     source="torque-speed line with a non-ideal driver",
     input="command",
+    closures=(
+        Closure("both alike", ("curvature",), "the same bend of both motors"),
+        Closure(
+            "left wheel",
+            ("curvature_left",),
+            "of the left wheel alone",
+            sentence="The left motor's gain changes by {curvature_left} of itself over the range of commands.",
+        ),
+        Closure(
+            "right wheel",
+            ("curvature_right",),
+            "of the right wheel alone",
+            sentence="The right motor's gain changes by {curvature_right} of itself over the range of commands.",
+        ),
+        Closure(
+            "each its own",
+            ("curvature_left", "curvature_right"),
+            "another bend of each motor",
+            sentence="The motors' gains change by {curvature_left} (left) and {curvature_right} (right) of themselves.",
+        ),
+        Closure(
+            "power law",
+            ("power",),
+            "speed grows as a power of the command",
+            sentence="Speed grows with the command to the power of 1 + {power}.",
+            source="Franklin, Powell & Emami-Naeini, Feedback Control, section 9.2 (power-law actuators)",
+        ),
+    ),
     order=40,
 )

@@ -1,6 +1,6 @@
 r"""A wheel sits off its centre: its rolling radius changes with its angle.
 
-    R_i(phi) = R_i (1 + e_i cos(phi_i + phase_i))
+    R_i(phi) = R_i (1 + e_i cos(n phi_i + phase_i))         n = 1 off its centre, n = 2 oval
 
 R [m] mean radius, phi [rad] angle of the wheel since the start of the recording, e [1] eccentricity over
 radius, phase [rad] at the start. Motor speed and torque are unchanged: no-load rim speed grows with R, the
@@ -23,7 +23,7 @@ from fsm_calib.world2d.slots import DRIVE, RADIUS, ROLL, TARGET
 def wobble(P, o, S, m, W):
     """Scale target and slope of each wheel by its momentary radius."""
     for side in range(2):
-        scale = 1.0 + P[o + side] * math.cos(W[ROLL + side] + P[o + 2 + side])
+        scale = 1.0 + P[o + side] * math.cos(P[o + 4] * W[ROLL + side] + P[o + 2 + side])
         W[TARGET + side] *= scale
         W[DRIVE + side] /= scale * scale
         W[RADIUS + side] = P[WHEEL_RADIUS + side] * scale
@@ -71,6 +71,18 @@ EFFECT = Effect(
             starts=(0.0, 2.1, 4.2),
             step=1e-3,
         ),
+        Parameter(
+            "lobes",
+            "n",
+            "1",
+            1.0,
+            1.0,
+            2.0,
+            1.0,
+            "1 off its centre, 2 oval",
+            strength=False,
+            fitted=False,
+        ),
     ),
     hooks={"step": wobble},
     reads=("wheel_angle",),
@@ -85,6 +97,20 @@ EFFECT = Effect(
         Closure("left wheel", ("left", "phase_left"), "the left wheel alone"),
         Closure("right wheel", ("right", "phase_right"), "the right wheel alone"),
         Closure("both wheels", ("left", "right", "phase_left", "phase_right"), "each by its own share"),
+        Closure(
+            "left wheel oval",
+            ("left", "phase_left"),
+            "the left wheel is longer than wide",
+            fixes={"lobes": 2.0},
+            sentence="The left wheel is oval: its radius changes by {left} of itself twice a turn.",
+        ),
+        Closure(
+            "right wheel oval",
+            ("right", "phase_right"),
+            "the right wheel is longer than wide",
+            fixes={"lobes": 2.0},
+            sentence="The right wheel is oval: its radius changes by {right} of itself twice a turn.",
+        ),
     ),
     order=58,
 )
