@@ -26,7 +26,7 @@ import numpy as np
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.intake import take_in
-from fsm_calib.diagnosis.proof.crossval import on_new_recording
+from fsm_calib.diagnosis.proof.transfer import on_new_recording
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import Simulator, make_simulator, nominal_values
 from fsm_calib.recording import read_recording

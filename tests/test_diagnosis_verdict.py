@@ -10,7 +10,7 @@ from fsm_calib.commands.diagnosis import summary_lines
 from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.scan_areas import Area, settled
 from fsm_calib.diagnosis.diagnose import diagnose
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, adequacy
+from fsm_calib.diagnosis.proof.gates import adequacy
 from fsm_calib.diagnosis.verdict.systematic_error import with_doubt
 from fsm_calib.world2d.effects import registry
 
@@ -41,7 +41,10 @@ def test_verdict_is_plain_json(deadband):
     plain = json.loads(json.dumps(deadband.verdict.as_json(), allow_nan=False))
     assert plain["verdict"] == "explained"
     assert plain["fit"]["horizon_s"] == 2.0
-    assert plain["rivals"][0]["evidence_gap"] > 0.0
+    assert all(rival["evidence_gap"] > 0.0 for rival in plain["rivals"])
+    assert 0.2 < plain["effects"][0]["share"] <= 1.0
+    assert plain["effects"][0]["closure"] == "both alike"
+    assert plain["effects"][0]["phenomenon"]
 
 
 def test_a_plain_robot_is_a_match():
@@ -70,14 +73,14 @@ def test_two_delays_are_one_set_without_encoders():
     decision = judged(("command_delay", "observation_delay", "floor_tilt"), command_delay__delay=0.06)
     first, second, *_ = decision.ranking
     assert {first.name, second.name} == {"command_delay", "observation_delay"}
-    assert first.evidence - second.evidence < DEFAULT_GATES.rival
+    assert set(decision.named[0].among) == {first.name, second.name}
 
 
 def test_nothing_left_is_adequate_whatever_the_gain():
     class Test:
         surprise, gain, group = 1.0, 50.0, type("Group", (), {"name": "turn:time"})
 
-    assert adequacy([Test()], 10.0).passes(Gates())
+    assert adequacy([Test()], 10.0).left == 0.0
 
 
 def test_areas_climb_to_the_most_promising_place():

@@ -122,7 +122,8 @@ def test_the_improved_world_is_a_scenario_with_the_effect(diagnosis: Diagnosis, 
 
 
 def test_a_match_leaves_a_world_without_effects(diagnosis: Diagnosis) -> None:
-    matched = replace(diagnosis, decision=replace(diagnosis.decision, outcome="match"))
+    bare = replace(diagnosis.decision.model, effects=(), fit=diagnosis.decision.base)
+    matched = replace(diagnosis, decision=replace(diagnosis.decision, outcome="match", model=bare))
     assert yaml.safe_load(world_text(matched))["robot"]["effects"] == {}
 
 

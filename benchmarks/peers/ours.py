@@ -9,7 +9,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.diagnosis.proof.crossval import on_new_recording
+from fsm_calib.diagnosis.proof.transfer import on_new_recording
 from fsm_calib.diagnosis.proof.windows import median_error, median_floor, prediction_windows
 from fsm_calib.diagnosis.replay.prepared import Prepared, prepare
 from fsm_calib.recording import read_recording

@@ -15,6 +15,7 @@ from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
 from fsm_calib.diagnosis.replay.simulator import Simulator, make_simulator
 from fsm_calib.diagnosis.verdict.decide import Decision, decide
 from fsm_calib.diagnosis.verdict.explain import verdict_of
+from fsm_calib.diagnosis.verdict.refute import refuted
 from fsm_calib.diagnosis.verdict.verdict import Verdict
 from fsm_calib.recording.recording import Recording
 
@@ -68,6 +69,7 @@ def diagnose(
     train = compare(simulators, decision.base, decision.model.fit, new=False)
     holdout = compare(new, decision.base, decision.model.fit, new=True) if new else None
     decision.seconds["proof"] = perf_counter() - began
+    decision = refuted(decision, train, holdout, new)
     verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
     notes = (*taken.notes, *at_bounds(decision.base))
     return Diagnosis(verdict, decision, train, holdout, new, notes)

@@ -21,7 +21,7 @@ def world_text(diagnosis: Diagnosis) -> str:
     Events of one recording (a push, a fault) are not part of the robot and are left out.
     """
     decision = diagnosis.decision
-    fit = decision.model.fit if decision.outcome == "explained" else decision.base
+    fit = decision.model.fit
     table = parameter_table()
     name = decision.engine.simulators[0].prepared.recording.robot.name
     measured = decision.engine.simulators[0].measured_input

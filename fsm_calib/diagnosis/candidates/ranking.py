@@ -166,6 +166,11 @@ class Bank:
         """Fit one hypothesis from one start; the result is never worse than the parent."""
         return self._finished(self._begun(hypothesis, start))
 
+    def best_of(self, effect: Effect) -> Ranked | None:
+        """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
+        tried = [self.fit(form, start) for form, starts in self.plans(effect) for start in starts]
+        return max(tried, key=lambda ranked: ranked.fit.score, default=None)
+
     def _begun(self, hypothesis: Hypothesis, start: Start) -> Ranked:
         """Fit one hypothesis at the parent's noise."""
         taken = {(slot.place, slot.run) for slot in self.parent.slots}

@@ -20,6 +20,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     is_event,
     scaled,
 )
+from fsm_calib.diagnosis.candidates.ranking import evidence_of
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Fit
@@ -30,13 +31,16 @@ from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
 from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
 from fsm_calib.diagnosis.verdict.decide import Decision
 from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
-from fsm_calib.diagnosis.verdict.posterior import GENERAL_DOUBT, TEMPER
 from fsm_calib.diagnosis.verdict.systematic_error import model_spread
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import NUISANCE, parameter_table
 
+TEMPER = (
+    3.0  # evidence gaps are divided by it: likelihoods of inexact equations are over-confident by so much
+)
+GENERAL_DOUBT = 0.02  # share of names that are wrong for no visible reason
 MOST = 14  # explanations that are kept: those behind have a thousandth of the doubt
 MATTERS = 0.2  # of an effect's typical size: a smaller one changes no drive by more than its noise
 LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
@@ -162,18 +166,23 @@ def _singles(decision: Decision) -> Iterator[Weighed]:
 
 
 def _pairs(decision: Decision) -> Iterator[Weighed]:
-    """Yield an answer of several effects, and its first with every other second that won something."""
-    effects = decision.model.effects
-    if len(effects) < 2:
+    """Yield an answer of several effects, the same without each of them, and with each of its rivals in its place."""
+    supports = decision.model.supports
+    if len(supports) < 2:
         return
-    first = next((r.evidence for r in decision.ranking if r.name == effects[0].name), effects[0].evidence)
-    for ranked in decision.second_ranking:
-        if ranked.gain < LEAST_GAIN:
-            continue
-        is_answer = ranked.name == effects[1].name
-        names = tuple(e.name for e in effects) if is_answer else (effects[0].name, ranked.name)
-        fit = decision.model.fit if is_answer else ranked.fit
-        yield 0.5 * (first + ranked.evidence) / TEMPER, _fitted(fit, names, decision.base)
+    names = tuple(s.name for s in supports)
+    total = evidence_of(decision.model.fit, decision.base, decision.engine.count)
+    yield 0.5 * total / TEMPER, _fitted(decision.model.fit, names, decision.base)
+    for i, support in enumerate(supports):
+        rest = names[:i] + names[i + 1 :]
+        if len(rest) > 1:
+            yield (
+                0.5 * (total - support.added.evidence) / TEMPER,
+                _fitted(support.without, rest, decision.base),
+            )
+        for rival in support.rivals:
+            other = (*names[:i], rival.name, *names[i + 1 :])
+            yield 0.5 * (total - rival.gap.evidence) / TEMPER, _fitted(rival.fit, other, decision.base)
 
 
 def _fitted(fit: Fit, names: tuple[str, ...], base: Fit) -> Hypothesis:

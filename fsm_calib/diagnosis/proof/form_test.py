@@ -27,7 +27,6 @@ from fsm_calib.diagnosis.candidates.ranking import evidence_of
 from fsm_calib.diagnosis.candidates.scan_markers import jump_evidence
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.likelihood.robust import log_kernel, robust_weights
-from fsm_calib.diagnosis.proof.gates import Gates
 from fsm_calib.diagnosis.shapes.forms import forms
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
@@ -45,7 +44,7 @@ class Contest:
     """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
 
     explained : evidence of the name over the base robot; loose : no exact equation can be had (a place, a moment, a
-    robot that turns velocities into wheel commands by a controller of its own); names : how many compete.
+    robot that turns velocities into wheel commands by a controller of its own).
     """
 
     instead: float
@@ -54,47 +53,10 @@ class Contest:
     beside_quantities: tuple[str, ...]
     explained: float
     loose: bool = False
-    names: int = 1
 
     def numbers(self) -> dict[str, float]:
         """Return the three evidences by name."""
         return {"instead": self.instead, "beside": self.beside, "explained": self.explained}
-
-    def allowed(self, gates: Gates) -> float:
-        """Return the evidence that forms beside the name may have, since equations are inexact.
-
-        Two exact names may leave hardly any: together they bend to a third law (dry friction and a scrubbing tyre to a
-        dragging caster), and what does not fit is all that tells.
-        """
-        if self.names > 1 and not self.loose:
-            return gates.pair_beside
-        share = gates.loose_share if self.loose else gates.form_share
-        return max(gates.form_beside, share * self.explained)
-
-    def misshapen(self, gates: Gates) -> bool:
-        """Return whether forms add to the name what a right shape would not leave."""
-        return self.beside > self.allowed(gates)
-
-    def surplus(self, gates: Gates) -> float:
-        """Return by how much forms are better without the name than they may be; what they add to it is no argument."""
-        allowed = max(gates.form_instead, gates.instead_share * self.explained)
-        return self.instead - max(self.beside, 0.0) - allowed
-
-    def replaceable(self, gates: Gates) -> bool:
-        """Return whether forms do better without the name."""
-        return self.surplus(gates) >= 0.0
-
-    def reason(self, gates: Gates, name: str) -> str:
-        """Return in words why the name does not win."""
-        if self.misshapen(gates):
-            return (
-                f"{name} comes nearest but has not the right shape: what it leaves depends on "
-                f"{' and '.join(self.beside_quantities)} (evidence {self.beside:.0f})"
-            )
-        return (
-            f"{name} comes nearest, but a plain dependence on {' and '.join(self.instead_quantities)} "
-            f"does as well with fewer numbers (evidence {self.instead:.0f} more)"
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +125,7 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
     loose = any(registry()[name].scan for name in effects) or any(
         s.prepared.recording.command is None for s in engine.simulators
     )
-    return Contest(*_best(instead, path, own_pool), *besides, explained, loose, max(1, len(effects)))
+    return Contest(*_best(instead, path, own_pool), *besides, explained, loose)
 
 
 def _or_jumps(

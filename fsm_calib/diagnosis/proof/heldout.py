@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.diagnosis.proof.crossval import on_new_recording
+from fsm_calib.diagnosis.proof.transfer import on_new_recording
 from fsm_calib.diagnosis.proof.windows import (
     HorizonError,
     Windows,
@@ -52,8 +52,14 @@ def compare(simulators: Sequence[Simulator], base: Fit, fit: Fit, *, new: bool) 
     )
 
 
-def error_left(simulators: Sequence[Simulator], base: Fit, fit: Fit) -> float:
-    """Return the smaller of the shares of position and heading error over the horizon that `fit` leaves of `base`."""
-    both = compare(simulators, base, fit, new=False)
-    pairs = ((both.after.xy_m, both.before.xy_m), (both.after.theta_rad, both.before.theta_rad))
-    return min((after / before for after, before in pairs if before > 0.0), default=1.0)
+def squared_error(simulators: Sequence[Simulator], fit: Fit) -> float:
+    """Return the median squared error over the horizon on the fitted recordings, position and heading each in units
+    of its noise.
+    """
+    windows = [
+        prediction_windows(s.prepared, fit.noise, simulated)
+        for s, simulated in zip(simulators, fit.simulated, strict=True)
+    ]
+    errors, floors = median_error(windows), median_floor(windows)
+    parts = ((errors.xy_m, floors.xy_m), (errors.theta_rad, floors.theta_rad))
+    return float(sum((error / floor) ** 2 for error, floor in parts if floor > 0.0))

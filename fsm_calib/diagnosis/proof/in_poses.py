@@ -34,7 +34,7 @@ def shown_in_poses(simulators: Sequence[Simulator], gates: Gates) -> bool:
         return True
     engine = Engine(tuple(without_encoders(s) for s in simulators))
     base = fit_base(engine)
-    if contest(engine, base, base, []).misshapen(gates):
+    if contest(engine, base, base, []).beside > gates.nameless:
         return True
     groups = feature_groups(situations_of(engine.simulators, base.values))
     left = adequacy(left_over(engine, base, groups), 0.0)

@@ -106,3 +106,12 @@ def in_place(name: str, values: FloatArray, path: FloatArray) -> np.ndarray:
     if numbers.get("roundness", 0.0) > 0.0:
         return np.asarray(np.hypot(x, y) < 1.0)
     return np.asarray((np.abs(x) < 1.0) & (np.abs(y) < 1.0))
+
+
+def stands_out(ranked: Ranked, detect: float) -> bool:
+    """Return whether an event wins clearly more than other moments do; True where no moment was sought.
+
+    detect : evidence that an effect needs without a choice of moments.
+    """
+    elsewhere = ranked.hypothesis.elsewhere
+    return elsewhere <= 0.0 or ranked.evidence >= detect + 2.0 * elsewhere

@@ -1,8 +1,9 @@
-"""From a ranking to an answer: polish, test what is left, try a second effect, and abstain where a gate is shut."""
+"""From a ranking to an answer: select effects, weigh each name, and abstain where nothing is sure."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Literal
@@ -11,16 +12,12 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.place_search import placed
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
-from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
+from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.diagnosis.proof.crossval import held_out_gains, is_global
-from fsm_calib.diagnosis.proof.form_test import Contest, contest
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, adequacy, indistinguishable
-from fsm_calib.diagnosis.proof.heldout import error_left
+from fsm_calib.diagnosis.proof.form_test import contest
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, adequacy
 from fsm_calib.diagnosis.proof.in_poses import shown_in_poses
-from fsm_calib.diagnosis.proof.necessity import survivor
-from fsm_calib.diagnosis.proof.plausible import is_plausible
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
@@ -28,14 +25,10 @@ from fsm_calib.diagnosis.shapes.locate import SIGNIFICANT, Location, locate
 from fsm_calib.diagnosis.shapes.score_tests import left_over
 from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.diagnosis.verdict.model import Model
-from fsm_calib.diagnosis.verdict.posterior import sureness
-from fsm_calib.world2d.effects import Effect, registry
-
-POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
-POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
-BETTER = 3.0  # log-likelihood units that make another optimum worth a look
-SWAPS = 4  # other first effects tried beside a second
-WORST_RECORDING = -4.0  # log density that one recording may lose by chance when fitted on the other
+from fsm_calib.diagnosis.verdict.posterior import Belief, belief_of
+from fsm_calib.diagnosis.verdict.selection import Selection, Selector
+from fsm_calib.diagnosis.verdict.support import supports_of
+from fsm_calib.world2d.effects import Effect
 
 Progress = Callable[[str], None]
 Outcome = Literal["match", "explained", "unexplained"]
@@ -43,15 +36,18 @@ Outcome = Literal["match", "explained", "unexplained"]
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """What was found: outcome and reason; base fit, model, ranking of single effects, location, seconds by part."""
+    """What was found: outcome and reason; base fit, model, ranking of single effects, location, seconds by part.
+
+    named : the effects whose names are sure enough to be said, strongest first; the model may have more.
+    """
 
     outcome: Outcome
     reason: str
     engine: Engine
     base: Fit
     model: Model
+    named: tuple[Belief, ...]
     ranking: tuple[Ranked, ...]
-    second_ranking: tuple[Ranked, ...]
     location: Location
     bank: Bank
     seconds: dict[str, float] = field(default_factory=dict)
@@ -68,146 +64,89 @@ class Judge:
     rng: np.random.Generator
     seconds: dict[str, float] = field(default_factory=dict)
 
-    def timed(self, part: str, since: float) -> None:
-        """Charge the time since `since` [s] to a part."""
-        self.seconds[part] = self.seconds.get(part, 0.0) + perf_counter() - since
+    @contextmanager
+    def part(self, name: str) -> Iterator[None]:
+        """Charge the time inside to a part."""
+        began = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + perf_counter() - began
 
     def decide(self) -> Decision:
-        """Run the whole chain; what the encoders alone see without a name is a match."""
+        """Run the whole chain; what the encoders alone see, without a name or by names that cancel, is a match."""
         decision = self._answer()
-        began = perf_counter()
-        confirmed = decision.outcome != "unexplained" or shown_in_poses(self.engine.simulators, self.gates)
-        self.timed("poses alone", began)
+        certain = decision.outcome == "match" or len(decision.named) == 1
+        with self.part("poses alone"):
+            confirmed = certain or shown_in_poses(self.engine.simulators, self.gates)
         if confirmed:
             return decision
         model = decision.model
         if model.effects:
-            model, _ = self._bare(decision.base, decision.location)
+            model = self._bare(decision.base, decision.location)
         reason = (
             f"the poses agree with the re-fitted base robot, the encoders alone differ: {decision.reason}"
         )
-        return replace(decision, outcome="match", reason=reason, model=model, second_ranking=())
+        return replace(decision, outcome="match", reason=reason, model=model, named=())
 
     def _answer(self) -> Decision:
         """Ask everything that was measured."""
-        began = perf_counter()
         self.progress("base robot")
-        base = fit_base(self.engine)
-        self.timed("base", began)
-        began = perf_counter()
-        situations = situations_of(self.engine.simulators, base.values)
-        location = locate(self.engine, base, situations, self.rng)
-        self.timed("locate", began)
-        began = perf_counter()
-        bank = Bank.on(self.engine, base)
-        ranking = self._polish(bank.rank(self.effects, self.progress), base)
-        self.timed("catalogue", began)
-        ranking = [r for r in ranking if is_plausible(r, self.engine.simulators) and self._stands_out(r)]
-        if not ranking or ranking[0].evidence < self.gates.detect:
-            return self._without_name(base, ranking, location, bank)
-        first = self._model((ranking[0],), ranking[0].fit, base)
-        second_ranking: tuple[Ranked, ...] = ()
-        model = first
-        if not (first.adequacy.surprise < self.gates.curious and first.sound(self.gates)):
-            model, second_ranking = self._second(first, ranking, base)
-        model = replace(model, error_left=error_left(self.engine.simulators, base, model.fit))
-        outcome, reason = self._judge(model, ranking)
-        if outcome == "explained":
-            began = perf_counter()
+        with self.part("base"):
+            base = fit_base(self.engine)
+        with self.part("locate"):
+            situations = situations_of(self.engine.simulators, base.values)
+            location = locate(self.engine, base, situations, self.rng)
+        gates = self.gates
+        selector = Selector(
+            self.engine, base, self.effects, gates.detect, gates.further_share, gates.most, self.progress
+        )
+        with self.part("catalogue"):
+            bank = Bank.on(self.engine, base)
+            ranking = selector.ranked(bank, base)
+        found = (base, tuple(ranking), location, bank)
+        if not ranking or ranking[0].evidence < gates.detect:
+            return self._without_name(*found)
+        with self.part("further effects"):
+            selection = selector.grown(ranking)
+        model = self._weighed(selection)
+        named = model.named(gates.least_confidence)
+        if not named:
+            return self._decision("unexplained", _complaint(model), model, (), *found)
+        if _is_strongest_sure(model, gates):
+            reason = "detected, adequate and useful"
+        else:
+            reason = f"{', '.join(b.name for b in named)} for a part of it; {_complaint(model)}"
+        with self.part("place and moment"):
             fit = placed(self.engine, model.fit, model.effects, self.rng)
             model = replace(model, fit=dated(self.engine, fit, model.effects))
-            self.timed("place and moment", began)
-        return Decision(
-            outcome, reason, self.engine, base, model, tuple(ranking), second_ranking, location, bank, self.seconds
-        )  # fmt: skip
+        return self._decision("explained", reason, model, named, *found)
 
-    def _stands_out(self, ranked: Ranked) -> bool:
-        """Return whether an event wins clearly more than other moments do; True where no moment was sought."""
-        elsewhere = ranked.hypothesis.elsewhere
-        return elsewhere <= 0.0 or ranked.evidence >= self.gates.detect + 2.0 * elsewhere
-
-    def _polish(self, ranking: list[Ranked], base: Fit) -> list[Ranked]:
-        """Fit the leaders with fresh Jacobians; sort again."""
-        if not ranking:
-            return ranking
-        names = noise_names(self.engine.simulators)
-        limit = POLISH_SHARE * ranking[0].evidence
-        leaders = [
-            polished(self.engine, r, base, names) for r in ranking[:POLISHED] if r.evidence >= max(limit, 0.0)
-        ]
-        return sorted(leaders + ranking[len(leaders) :], key=lambda r: -r.evidence)
-
-    def _model(self, effects: tuple[Ranked, ...], fit: Fit, base: Fit) -> Model:
-        """Test what a model leaves and what it predicts."""
-        began = perf_counter()
+    def _weighed(self, selection: Selection) -> Model:
+        """Test what a selection leaves, and how sure each of its names is."""
+        fit = selection.fit
         self.progress("what is left")
-        situations = situations_of(self.engine.simulators, fit.values)
-        tests = left_over(self.engine, fit, feature_groups(situations))
-        self.timed("left over", began)
-        began = perf_counter()
-        gains: tuple[float, ...] = ()
-        if all(is_global(e.hypothesis) for e in effects):
-            gains = tuple(held_out_gains(self.engine, base, fit))
-        self.timed("cross-validation", began)
-        began = perf_counter()
-        against = contest(self.engine, base, fit, [e.name for e in effects])
-        self.timed("contest", began)
-        return Model(effects, fit, adequacy(tests, fit.score - base.score), gains, tuple(tests), against)
+        with self.part("left over"):
+            groups = feature_groups(situations_of(self.engine.simulators, fit.values))
+            tests = tuple(left_over(self.engine, fit, groups))
+        with self.part("support"):
+            supports = supports_of(self.engine, selection)
+        left = adequacy(tests, max(s.added.evidence for s in supports))
+        beliefs = tuple(map(belief_of, supports))
+        return Model(selection.effects, fit, left, tests, supports[0].forms, supports, beliefs)
 
-    def _second(self, first: Model, ranking: Sequence[Ranked], base: Fit) -> tuple[Model, tuple[Ranked, ...]]:
-        """Look for a second effect on top of the first; keep it only where it closes the gap."""
-        began = perf_counter()
-        wanted = max(self.gates.second, self.gates.second_share * first.effects[0].evidence)
-        bank = Bank.on(self.engine, first.fit, wanted)
-        others = [e for e in self.effects if e.name != first.effects[0].name]
-        found = bank.rank(others, self.progress)
-        found = [r for r in found if is_plausible(r, self.engine.simulators) and self._stands_out(r)]
-        self.timed("second effect", began)
-        if not found or found[0].evidence < wanted:
-            return first, tuple(found)
-        second = polished(self.engine, found[0], first.fit, noise_names(self.engine.simulators))
-        lead = self._swap(first.effects[0], second, ranking, base)
-        single = survivor(self.engine, lead[0], lead[1], base, wanted)
-        if single is not None:
-            better = single.fit.score > first.fit.score + BETTER
-            return (self._model((single,), single.fit, base) if better else first), tuple(found)
-        both = self._model(lead[0], lead[1], base)
-        cured = both.adequacy.surprise < self.gates.surprise or (
-            both.adequacy.surprise < 0.5 * first.adequacy.surprise and both.adequacy.passes(self.gates)
-        )
-        cured = cured and both.sound(self.gates)
-        useful = not both.gains or not first.gains or sum(both.gains) > sum(first.gains)
-        return (both if cured and useful else first), tuple(found)
-
-    def _swap(
-        self, first: Ranked, second: Ranked, ranking: Sequence[Ranked], base: Fit
-    ) -> tuple[tuple[Ranked, ...], Fit]:
-        """Try other first effects beside the second: what led alone may have stood in for a sum."""
-        began = perf_counter()
-        alone = next((r for r in ranking if r.name == second.name), None)
-        best = ((first, second), second.fit)
-        if alone is not None and alone.gain > 0:
-            bank = Bank.on(self.engine, alone.fit)
-            for rival in ranking[:SWAPS]:
-                if rival.name in (first.name, second.name):
-                    continue
-                for hypothesis, starts in bank.plans(registry()[rival.name]):
-                    for start in starts:
-                        tried = bank.fit(hypothesis, start)
-                        if tried.fit.score > best[1].score + BETTER:
-                            best = ((tried, replace(second, fit=tried.fit)), tried.fit)
-        self.timed("swaps", began)
-        return best
-
-    def _bare(self, base: Fit, location: Location) -> tuple[Model, Contest]:
+    def _bare(self, base: Fit, location: Location) -> Model:
         """Return the base robot alone with what it leaves, and how forms do beside it."""
         against = contest(self.engine, base, base, [])
-        return Model((), base, adequacy(location.tests, 0.0), (), location.tests, against), against
+        return Model((), base, adequacy(location.tests, 0.0), tuple(location.tests), against)
 
-    def _without_name(self, base: Fit, ranking: Sequence[Ranked], location: Location, bank: Bank) -> Decision:
+    def _without_name(
+        self, base: Fit, ranking: tuple[Ranked, ...], location: Location, bank: Bank
+    ) -> Decision:
         """No effect is detected: a match, or a mismatch that nothing in the catalogue resembles."""
-        plain, against = self._bare(base, location)
-        left = plain.adequacy
+        with self.part("left over"):
+            plain = self._bare(base, location)
+        left, against = plain.adequacy, plain.contest
         outcome: Outcome = "match"
         reason = "the re-fitted base robot explains the recordings to within their noise"
         if left.surprise > self.gates.unexplained_surprise and location.p_value < SIGNIFICANT:
@@ -219,32 +158,46 @@ class Judge:
                 f"the robot's speeds depend on {' and '.join(against.beside_quantities)} "
                 f"(evidence {against.beside:.0f}), no effect explains it"
             )
+        return self._decision(outcome, reason, plain, (), base, ranking, location, bank)
+
+    def _decision(
+        self,
+        outcome: Outcome,
+        reason: str,
+        model: Model,
+        named: tuple[Belief, ...],
+        base: Fit,
+        ranking: tuple[Ranked, ...],
+        location: Location,
+        bank: Bank,
+    ) -> Decision:
         return Decision(
-            outcome, reason, self.engine, base, plain, tuple(ranking), (), location, bank, self.seconds
+            outcome, reason, self.engine, base, model, named, ranking, location, bank, self.seconds
         )
 
-    def _judge(self, model: Model, ranking: Sequence[Ranked]) -> tuple[Outcome, str]:
-        """Pass the model through the gates."""
-        left, dominant = model.adequacy, model.error_left < self.gates.dominant
-        if not left.passes(self.gates) and not dominant:
-            return "unexplained", (
-                f"the best explanation leaves structure in {left.group} (10^-{left.surprise:.0f} by chance, "
-                f"{100 * left.share:.0f} % of what it explains)"
-            )
-        if not (model.sound(self.gates) or model.rules(self.gates)):
-            return "unexplained", model.complaint(self.gates)
-        if model.gains and (sum(model.gains) <= 0.0 or min(model.gains) < WORST_RECORDING):
-            return (
-                "unexplained",
-                "the best explanation does not predict a recording that it was not fitted on",
-            )
-        if sureness(model, ranking, self.gates) < self.gates.least_confidence:
-            said = [e.name for e in model.effects]
-            nearest = said if len(said) > 1 else indistinguishable(ranking, self.gates)
-            return "unexplained", f"nearest: {', '.join(nearest)}, but not surely enough for a name"
-        if not left.passes(self.gates):
-            return "explained", f"most of the error is explained; what is left depends on {left.group}"
-        return "explained", "detected, adequate and useful"
+
+def _is_strongest_sure(model: Model, gates: Gates) -> bool:
+    return model.beliefs[0].probability >= gates.least_confidence
+
+
+def _complaint(model: Model) -> str:
+    """Return in words why the strongest effect is not named."""
+    belief, support = model.beliefs[0], model.supports[0]
+    nearest = " or ".join(belief.among)
+    forms = support.forms
+    if support.replaced > 0.0 and forms.instead_quantities:
+        return (
+            f"{nearest} comes nearest, but a plain dependence on {' and '.join(forms.instead_quantities)} "
+            f"does better (evidence {forms.instead:.0f} more)"
+        )
+    if forms.beside > 0.0 and forms.beside_quantities:
+        return (
+            f"{nearest} comes nearest, but leaves what depends on {' and '.join(forms.beside_quantities)} "
+            f"({100 * support.left:.0f} % of what it explains)"
+        )
+    if support.moved > 0.0:
+        return f"{nearest} comes nearest, but each drive asks for another size ({100 * support.moved:.0f} % is lost)"
+    return f"nearest: {nearest}, but not surely enough for a name"
 
 
 def decide(

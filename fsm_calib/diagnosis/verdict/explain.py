@@ -8,11 +8,11 @@ from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.likelihood.noise import NOISE_NAMES
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, indistinguishable
-from fsm_calib.diagnosis.proof.heldout import Comparison
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
+from fsm_calib.diagnosis.proof.heldout import Comparison, squared_error
 from fsm_calib.diagnosis.verdict.decide import Decision
 from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
-from fsm_calib.diagnosis.verdict.posterior import confidence, joint_confidence
+from fsm_calib.diagnosis.verdict.posterior import Belief
 from fsm_calib.diagnosis.verdict.systematic_error import with_doubt
 from fsm_calib.diagnosis.verdict.verdict import ErrorTriple, Estimate, Located, NamedEffect, Rival, Verdict
 from fsm_calib.world2d.effects import Effect, registry
@@ -33,12 +33,11 @@ def verdict_of(
     gates: Gates = DEFAULT_GATES,
 ) -> Verdict:
     """Put a decision and its proof into the contract's values."""
-    named = decision.outcome == "explained"
-    effects = decision.model.effects if named else ()
-    sets = ambiguous_sets(decision, gates)
+    sets = ambiguous_sets(decision)
+    shares = shares_of(decision)
     return Verdict(
         verdict=decision.outcome,
-        effects=tuple(_named(e, decision, i, sets, gates) for i, e in enumerate(effects)),
+        effects=tuple(_named(belief, decision, shares) for belief in decision.named),
         ambiguous=sets,
         located=located(decision),
         horizon=horizon,
@@ -50,7 +49,7 @@ def verdict_of(
         base=base_estimates(decision.model.fit),
         noise=dict(zip(NOISE_NAMES, map(float, decision.model.fit.noise.vector()), strict=True)),
         family=family_of(decision),
-        unnamed=decision.model.contest.numbers() if decision.model.contest else {},
+        unnamed=decision.model.contest.numbers(),
         smallest_seen=_smallest(decision, gates) if decision.outcome == "match" else {},
         seconds=dict(decision.seconds),
     )
@@ -87,50 +86,61 @@ def base_estimates(fit: Fit) -> dict[str, Estimate]:
     return found
 
 
-def sentence(effect: Effect, numbers: dict[str, Estimate]) -> str:
-    """Return the effect's sentence with its numbers."""
+def sentence(effect: Effect, numbers: dict[str, Estimate], closure: str = "") -> str:
+    """Return the sentence of an effect's closure with its numbers; empty: the effect's own."""
     said = {}
     for p in effect.parameters:
         e = numbers.get(p.name) or numbers.get(f"{p.name}_1") or Estimate(p.null, math.nan, p.unit)
         unit = "" if e.unit == "1" else f" {e.unit}"
         spread = f" ± {e.sd:.1g}" if math.isfinite(e.sd) else ""
         said[p.name] = f"{e.value:.3g}{spread}{unit}"
-    return effect.sentence.format(**said)
+    own = effect.closure(closure).sentence if closure else ""
+    return (own or effect.sentence).format(**said)
 
 
-def _named(
-    ranked: Ranked, decision: Decision, order: int, sets: tuple[tuple[str, ...], ...], gates: Gates
-) -> NamedEffect:
-    """Return the effect with its numbers; one of a set that cannot be told apart is as sure as the whole set."""
-    effect = registry()[ranked.name]
-    numbers = estimates(ranked, decision.model.fit)
-    pool = decision.ranking if order == 0 else decision.second_ranking
-    names = next((names for names in sets if order == 0 and ranked.name in names), ())
-    if names:
-        sure = joint_confidence(names, pool, decision.model, gates)
-    else:
-        sure = confidence(ranked.name, ranked.evidence, pool, decision.model, gates)
-    return NamedEffect(ranked.name, sure, numbers, sentence(effect, numbers))
+def _named(belief: Belief, decision: Decision, shares: dict[str, float]) -> NamedEffect:
+    """Return an effect with its numbers; one of a set that cannot be told apart is as sure as the whole set."""
+    effect = registry()[belief.name]
+    numbers = estimates(belief.effect, decision.model.fit)
+    return NamedEffect(
+        belief.name,
+        belief.probability,
+        numbers,
+        sentence(effect, numbers, belief.effect.hypothesis.closure),
+        effect.phenomenon,
+        belief.effect.hypothesis.closure,
+        shares.get(belief.name, math.nan),
+    )
 
 
-def ambiguous_sets(decision: Decision, gates: Gates) -> tuple[tuple[str, ...], ...]:
-    """Return the sets of names that the data cannot tell apart, largest evidence first."""
-    if decision.outcome != "explained":
-        return ()
-    names = indistinguishable(decision.ranking, gates)
-    if len(decision.model.effects) > 1 and decision.model.effects[0].name not in names:
-        return ()
-    names = [n for n in names if n not in {e.name for e in decision.model.effects[1:]}]
-    return (tuple(names),) if len(names) > 1 else ()
+def shares_of(decision: Decision) -> dict[str, float]:
+    """Return the share of the base's error over the horizon, squared, that each effect of the model takes away.
+
+    Position and heading in units of their noise, medians over the windows of the fitted recordings; the shares of
+    effects that stand in for each other do not add up to one.
+    """
+    supports, simulators = decision.model.supports, decision.engine.simulators
+    if not supports:
+        return {}
+    before = squared_error(simulators, decision.base)
+    after = squared_error(simulators, decision.model.fit)
+    less = {s.name: squared_error(simulators, s.without) for s in supports}
+    return {name: min(max((value - after) / max(before, 1e-12), 0.0), 1.0) for name, value in less.items()}
+
+
+def ambiguous_sets(decision: Decision) -> tuple[tuple[str, ...], ...]:
+    """Return the sets of names that the data cannot tell apart, the name that is said first."""
+    said = {b.name for b in decision.named}
+    sets = ((b.name, *(n for n in b.among[1:] if n not in said)) for b in decision.named)
+    return tuple(names for names in sets if len(names) > 1)
 
 
 def rivals(decision: Decision) -> tuple[Rival, ...]:
-    """Return the next five names and the evidence that they lack."""
-    if not decision.ranking:
-        return ()
-    top = decision.ranking[0]
-    skip = {e.name for e in decision.model.effects}
-    return tuple(Rival(r.name, top.evidence - r.evidence) for r in decision.ranking if r.name not in skip)[:5]
+    """Return the next five names in the strongest effect's place and the evidence that they lack."""
+    if decision.model.supports:
+        first = decision.model.supports[0]
+        return tuple(Rival(r.name, r.gap.evidence) for r in first.rivals)[:5]
+    return tuple(Rival(r.name, -r.evidence) for r in decision.ranking)[:5]
 
 
 def family_of(decision: Decision) -> str:
@@ -147,7 +157,7 @@ def next_manoeuvre(decision: Decision, sets: tuple[tuple[str, ...], ...]) -> str
         effect = registry()[first]
         return f"To tell {first} from {' or '.join(others)}: {effect.manoeuvre} ({effect.separates})."
     if decision.outcome == "explained":
-        return f"To confirm: {registry()[decision.model.effects[0].name].manoeuvre}."
+        return f"To confirm: {registry()[decision.named[0].name].manoeuvre}."
     if decision.outcome == "unexplained":
         return f"Drive {MANOEUVRE_MENU}, so that what it depends on stands out."
     return f"None is needed; for smaller effects drive longer: {MANOEUVRE_MENU}."
@@ -159,7 +169,7 @@ def located(decision: Decision) -> Located:
     channels = list(decision.location.channels)
     if decision.outcome == "match":
         return Located(p_value=decision.location.p_value)
-    for ranked in decision.model.effects if decision.outcome == "explained" else ():
+    for ranked in (b.effect for b in decision.named):
         effect = registry()[ranked.name]
         usual = {p.name: Estimate(p.null, math.nan, p.unit) for p in effect.parameters}
         numbers = usual | estimates(ranked, decision.model.fit)
@@ -183,7 +193,7 @@ def located(decision: Decision) -> Located:
 
 def _regime(decision: Decision) -> str:
     if decision.outcome == "explained":
-        words = [r.replace("_", " ") for e in decision.model.effects for r in registry()[e.name].regimes]
+        words = [r.replace("_", " ") for b in decision.named for r in registry()[b.name].regimes]
         return ", ".join(dict.fromkeys(words))
     return decision.location.regime
 

@@ -25,13 +25,17 @@ class NamedEffect:
     """One effect that was left out: how sure, its numbers, a sentence.
 
     confidence : probability that the name is right, or, where it stands in a set of `Verdict.ambiguous`, that one of
-    the set is.
+    the set is; phenomenon : what a person would call it; closure : which of its equations fits best; share : of the
+    base's squared error over the horizon that it takes away [1].
     """
 
     name: str
     confidence: float
     parameters: dict[str, Estimate]
     sentence: str
+    phenomenon: str = ""
+    closure: str = ""
+    share: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +99,9 @@ class Verdict:
                     "confidence": _number(e.confidence),
                     "parameters": _estimates(e.parameters),
                     "sentence": e.sentence,
+                    "phenomenon": e.phenomenon,
+                    "closure": e.closure,
+                    "share": _number(e.share),
                 }
                 for e in self.effects
             ],

@@ -1,0 +1,152 @@
+"""As many effects as the data carry: one is added at a time, and each stays only as long as it is missed.
+
+Forward selection with backward elimination (Efroymson 1960; Miller, Subset Selection in Regression, 2nd ed. 2002,
+sections 3.2 to 3.4) over the catalogue: on top of the model so far every effect is fitted, the one with the largest
+evidence joins, earlier ones are asked again whether a rival does better beside it (what led alone may have stood in
+for a sum) and whether they are still needed. It ends where nothing in the catalogue has evidence enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of, polished
+from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.values import switched_off
+from fsm_calib.diagnosis.proof.plausible import is_plausible, stands_out
+from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import parameter_table
+
+POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
+POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
+BETTER = 3.0  # log-likelihood units that make another optimum worth a look
+RIVALS = 3  # of an earlier effect, asked again beside a new one
+NEAR = 0.3  # of its evidence: a rival that had less does not take its place
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """The effects that a model has, strongest first, the fit of all, and each round's ranking.
+
+    dropped : the fit without each effect, in the effects' order: what the others make of the drives without it.
+    """
+
+    effects: tuple[Ranked, ...]
+    fit: Fit
+    rankings: tuple[tuple[Ranked, ...], ...]
+    dropped: tuple[Fit, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Selector:
+    """Selects effects for the recordings of one robot.
+
+    needed : evidence that each effect must add to all the others; share : of the first's that a further one must have;
+    most : effects at most.
+    """
+
+    engine: Engine
+    base: Fit
+    catalogue: Sequence[Effect]
+    needed: float
+    share: float
+    most: int
+    progress: Progress = field(default=lambda part: None)
+
+    def ranked(self, bank: Bank, parent: Fit, without: Iterable[str] = ()) -> list[Ranked]:
+        """Return the effects on top of a parent, the leaders polished, implausible ones left out."""
+        left_out = set(without)
+        found = bank.rank([e for e in self.catalogue if e.name not in left_out], self.progress)
+        found = self._polish(found, parent)
+        simulators = self.engine.simulators
+        return [r for r in found if is_plausible(r, simulators) and stands_out(r, self.needed)]
+
+    def grown(self, ranking: Sequence[Ranked]) -> Selection:
+        """Return the selection that begins with the first of a ranking on top of the base robot."""
+        first = ranking[0]
+        selection = Selection((first,), first.fit, (tuple(ranking),), (self.base,))
+        while len(selection.effects) < self.most:
+            larger = self._with_one_more(selection)
+            if larger is None:
+                break
+            selection = larger
+            if len(selection.effects) < len(selection.rankings):
+                break  # one went as another came: what is left has been tried
+        return selection
+
+    def _with_one_more(self, selection: Selection) -> Selection | None:
+        """Return the selection with the best further effect, less what it makes needless; None where none is."""
+        wanted = max(self.needed, self.share * selection.effects[0].evidence)
+        bank = Bank.on(self.engine, selection.fit, wanted)
+        found = self.ranked(bank, selection.fit, [e.name for e in selection.effects])
+        rankings = (*selection.rankings, tuple(found))
+        if not found or found[0].evidence < wanted:
+            return None
+        effects, fit = self._swapped((*selection.effects, found[0]), found[0].fit, rankings)
+        return self._pruned(effects, fit, rankings, wanted)
+
+    def _swapped(
+        self, effects: tuple[Ranked, ...], fit: Fit, rankings: Sequence[Sequence[Ranked]]
+    ) -> tuple[tuple[Ranked, ...], Fit]:
+        """Ask the rivals of each earlier effect again, now that another has joined."""
+        for i, earlier in enumerate(effects[:-1]):
+            names = {e.name for e in effects}
+            rivals = [r for r in rankings[min(i, len(rankings) - 1)] if r.name not in names][:RIVALS]
+            rivals = [r for r in rivals if r.evidence > NEAR * earlier.evidence]
+            if not rivals:
+                continue
+            bank = Bank.on(self.engine, self.without(fit, earlier.name))
+            for rival in rivals:
+                tried = bank.best_of(registry()[rival.name])
+                if tried is not None and tried.fit.score > fit.score + BETTER:
+                    effects = (*effects[:i], replace(tried, evidence=rival.evidence), *effects[i + 1 :])
+                    fit = tried.fit
+        return effects, fit
+
+    def _pruned(
+        self,
+        effects: tuple[Ranked, ...],
+        fit: Fit,
+        rankings: tuple[tuple[Ranked, ...], ...],
+        wanted: float,
+    ) -> Selection:
+        """Take out, least missed first, what the others do without; the rest with what each adds to the others."""
+        while True:
+            dropped = [self.without(fit, e.name) if len(effects) > 1 else self.base for e in effects]
+            added = [evidence_of(fit, less, self.engine.count) for less in dropped]
+            least = int(np.argmin(added))
+            if len(effects) == 1 or added[least] >= wanted:
+                break
+            effects, fit = effects[:least] + effects[least + 1 :], dropped[least]
+        order = np.argsort(added)[::-1]
+        ranked = tuple(
+            replace(effects[i], fit=fit, evidence=added[i], gain=fit.score - dropped[i].score) for i in order
+        )
+        return Selection(ranked, fit, rankings, tuple(dropped[i] for i in order))
+
+    def without(self, fit: Fit, name: str) -> Fit:
+        """Return the fit without one of its effects, everything else and the noise fitted again from where it was."""
+        table, engine = parameter_table(), self.engine
+        slots = [s for s in fit.slots if table.owner[s.place] != name]
+        less = engine.fit(switched_off(fit.values, [name]), slots, fit.noise)
+        less = engine.refit_noise(less, SPEED_NOISE, 3)
+        return engine.fit(less.values, less.slots, less.noise, steps=6)
+
+    def _polish(self, ranking: list[Ranked], parent: Fit) -> list[Ranked]:
+        """Fit the leaders with fresh Jacobians; sort again."""
+        if not ranking:
+            return ranking
+        names = noise_names(self.engine.simulators)
+        limit = POLISH_SHARE * ranking[0].evidence
+        leaders = [
+            polished(self.engine, r, parent, names)
+            for r in ranking[:POLISHED]
+            if r.evidence >= max(limit, 0.0)
+        ]
+        return sorted(leaders + ranking[len(leaders) :], key=lambda r: -r.evidence)

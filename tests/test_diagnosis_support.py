@@ -1,0 +1,126 @@
+"""What speaks for a name and against it: what it adds, its rivals, one law in all drives, forms in its place."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis_robots import judged, recording
+
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
+from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.proof.form_test import Contest
+from fsm_calib.diagnosis.proof.gap import Gap, block_sums, gap_between
+from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict.posterior import belief_of, shape_probability
+from fsm_calib.diagnosis.verdict.selection import Selector
+from fsm_calib.diagnosis.verdict.support import RivalGap, Support
+from fsm_calib.world2d.effects import registry
+
+PAIR = {"floor_tilt__slope_x": 0.03, "floor_tilt__slope_y": -0.02, "motor_deadband__offset": 0.04}
+CATALOGUE = ("floor_tilt", "motor_deadband", "command_delay", "motor_gain_curve")
+
+
+def engine_of(*recordings):
+    return Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+
+
+def support(rivals=(), moved=0.0, instead=-100.0, beside=-10.0, added=400.0):
+    effect = Ranked(Hypothesis("floor_tilt", ("slope_x",)), None, added, 0.5 * added)
+    gaps = tuple(RivalGap(name, Gap(evidence, 20.0), None) for name, evidence in rivals)
+    forms = Contest(instead, (), beside, (), added)
+    return Support(effect, None, Gap(added, 30.0), gaps, OneLaw(moved, ()), forms)
+
+
+def fitted(engine, base, name):
+    (ranked,) = Bank.on(engine, base).rank([registry()[name]])
+    return polished(engine, ranked, base, noise_names(engine.simulators)).fit
+
+
+@pytest.fixture(scope="module")
+def tilted():
+    changes = {"floor_tilt__slope_x": 0.03, "floor_tilt__slope_y": -0.02}
+    engine = engine_of(*(recording(seed, **changes) for seed in (0, 1)))
+    base = fit_base(engine)
+    return engine, base, fitted(engine, base, "floor_tilt")
+
+
+def test_a_name_that_nothing_speaks_against_is_nearly_sure():
+    assert belief_of(support()).probability > 0.95
+
+
+def test_a_far_rival_lowers_the_probability_and_a_near_one_joins_the_set():
+    far, near = belief_of(support([("carpet_nap", 60.0)])), belief_of(support([("carpet_nap", 5.0)]))
+    assert far.among == ("floor_tilt",)
+    assert far.probability < belief_of(support()).probability
+    assert near.among == ("floor_tilt", "carpet_nap")
+
+
+def test_each_share_that_speaks_against_the_shape_lowers_its_probability():
+    sure = shape_probability(support())
+    assert shape_probability(support(beside=200.0)) < 0.5 * sure
+    assert shape_probability(support(instead=300.0)) < 0.5 * sure
+    assert shape_probability(support(moved=1.5)) < 0.5 * sure
+
+
+def test_shares_count_and_not_sizes():
+    small, large = support(beside=20.0, added=400.0), support(beside=200.0, added=4000.0)
+    assert shape_probability(small) == pytest.approx(shape_probability(large))
+
+
+def test_what_cannot_be_asked_says_nothing_against_a_name():
+    assert shape_probability(support(moved=math.nan)) == shape_probability(support(moved=0.0))
+
+
+def test_an_even_gap_is_even_odds_and_a_wide_spread_tempers():
+    assert Gap(0.0, 5.0).probability == pytest.approx(0.5)
+    assert 0.5 < Gap(20.0, 40.0).probability < Gap(20.0, 5.0).probability
+
+
+def test_blocks_add_up_to_the_likelihood(tilted):
+    engine, base, _ = tilted
+    assert block_sums(engine, base).sum() == pytest.approx(base.log_likelihood, rel=1e-9)
+
+
+def test_a_gap_is_the_evidence_that_the_ranking_uses(tilted):
+    engine, base, fit = tilted
+    expected = 2.0 * (fit.score - base.score) - 2.0 * np.log(engine.count)
+    assert gap_between(engine, fit, base).evidence == pytest.approx(expected)
+
+
+def test_a_true_effect_is_one_law_in_all_drives(tilted):
+    engine, base, fit = tilted
+    assert abs(one_law(engine, base, fit, "floor_tilt").moved) < 0.1
+
+
+def test_an_effect_of_another_size_in_each_drive_is_not_one_law():
+    steep, gentle = {"floor_tilt__slope_x": 0.04}, {"floor_tilt__slope_x": 0.02}
+    engine = engine_of(recording(0, **steep), recording(1, **gentle))
+    base = fit_base(engine)
+    assert one_law(engine, base, fitted(engine, base, "floor_tilt"), "floor_tilt").moved > 0.2
+
+
+def test_one_recording_cannot_tell_whether_it_is_one_law(tilted):
+    engine = engine_of(recording(0, floor_tilt__slope_x=0.03))
+    base = fit_base(engine)
+    assert math.isnan(one_law(engine, base, fitted(engine, base, "floor_tilt"), "floor_tilt").moved)
+
+
+def test_two_effects_are_both_named():
+    decision = judged(CATALOGUE, **PAIR)
+    assert decision.outcome == "explained"
+    assert {b.name for b in decision.named} == {"floor_tilt", "motor_deadband"}
+
+
+def test_an_effect_that_another_makes_needless_goes(tilted):
+    engine, base, fit = tilted
+    selector = Selector(engine, base, [registry()["floor_tilt"], registry()["carpet_nap"]], 14.0, 0.01, 4)
+    (nap,) = Bank.on(engine, base).rank([registry()["carpet_nap"]])
+    tilt = Ranked(Hypothesis("floor_tilt", ("slope_x", "slope_y")), fit, 0.0, 0.0)
+    (both,) = [r for r in Bank.on(engine, nap.fit).rank([registry()["floor_tilt"]])]
+    kept = selector._pruned((nap, replace(tilt, fit=both.fit)), both.fit, ((nap,),), 14.0)
+    assert [e.name for e in kept.effects] == ["floor_tilt"]
