@@ -88,7 +88,8 @@ class BagWriter:
 def command_rows(twist):
     """Return the commands of a drive as a driver repeats them, ten times a second."""
     time = np.arange(0.0, twist.time[-1] + 1.0, 0.1)
-    return time, held_at(time, twist.time, twist.v), held_at(time, twist.time, twist.omega)
+    at = time + 1e-6
+    return time, held_at(at, twist.time, twist.v), held_at(at, twist.time, twist.omega)
 
 
 def turtlebot(recording: Recording, storage: str) -> BagWriter:

@@ -11,12 +11,15 @@ import dataclasses
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Finding, Recording, held_at
 from fsm_calib.types import FloatArray
 
-STEP = 0.1  # s
+STEP, FINE = 0.1, 0.02  # s
+LAGS = (0.02, 0.05, 0.08, 0.12, 0.17, 0.23, 0.3, 0.4, 0.6)  # s: motors of all sizes
+NEAR = 0.6  # s about the largest correlation: the longest lag
 SMALLEST = 1.0  # s: a smaller shift may be a lag
 CLEAR = 0.7  # correlation that two tellings of one drive reach
 BETTER = 0.3  # by which it must beat no shift
@@ -39,23 +42,42 @@ def with_one_clock(recording: Recording) -> Recording:
             continue
         shift = _shift(seen, grid, *_input_activity(name, channel))
         if shift is not None:
+            shift = _refined(pose, name, channel, shift) if name in ("command", "twist") else shift
             changes[name] = dataclasses.replace(channel, time=channel.time + shift)
-            sentence = f"its clock and the poses' differ; {shift:+.1f} s brought what moved when together"
+            sentence = f"its clock and the poses' differ; {shift:+.2f} s brought what moved when together"
             said.append(Finding(name, "clocks", sentence, "kept", 0, float(channel.time[0])))
     return (
         dataclasses.replace(recording, **changes, checks=(*recording.checks, *said)) if changes else recording
     )
 
 
-def _grid(first: float, last: float) -> FloatArray:
-    return np.arange(first, min(last, first + LONGEST), STEP)
+def _grid(first: float, last: float, step: float) -> FloatArray:
+    return np.arange(first, min(last, first + LONGEST), step)
 
 
-def _pose_activity(pose: PoseTrack) -> tuple[FloatArray, FloatArray]:
-    """Return a grid of times [s] and how fast the pose moves there."""
+def _refined(pose: PoseTrack, name: str, channel: Any, shift: float) -> float:
+    """Return the shift [s] of commands at which motors that lag behind them tell the poses' motion best.
+
+    A correlation lays the lag of the motors on the clock; here a first-order lag is tried beside each shift.
+    """
+    grid, seen = _pose_activity(pose, FINE)
+    told_at, told = _input_activity(name, channel, FINE)
+    best = (np.inf, shift)
+    for lag in LAGS:
+        step = FINE / (lag + FINE)
+        slow = _smooth(lfilter([step], [1.0, step - 1.0], told))
+        for change in np.arange(-NEAR, NEAR + FINE, FINE):
+            there = np.interp(grid, told_at + shift + change, slow)
+            gain = float(there @ seen) / max(float(there @ there), 1e-12)
+            best = min(best, (float(np.sum((seen - gain * there) ** 2)), float(shift + change)))
+    return best[1]
+
+
+def _pose_activity(pose: PoseTrack, step: float = STEP) -> tuple[FloatArray, FloatArray]:
+    """Return a grid of times, every `step` [s], and how fast the pose moves there."""
     known = np.isfinite(pose.x) & np.isfinite(pose.y)
     time = pose.time[known]
-    grid = _grid(time[0], time[-1])
+    grid = _grid(time[0], time[-1], step)
     x, y = (np.interp(grid, time, part[known]) for part in (pose.x, pose.y))
     speed = _unitless(np.hypot(np.gradient(_smooth(x)), np.gradient(_smooth(y)))) if len(grid) > 5 else grid
     theta = pose.theta[known]
@@ -65,9 +87,9 @@ def _pose_activity(pose: PoseTrack) -> tuple[FloatArray, FloatArray]:
     return grid, speed
 
 
-def _input_activity(name: str, channel: Any) -> tuple[FloatArray, FloatArray]:
+def _input_activity(name: str, channel: Any, step: float = STEP) -> tuple[FloatArray, FloatArray]:
     """Return a grid of times [s] and how much the robot is told to move, or its wheels do."""
-    grid = _grid(channel.time[0], channel.time[-1])
+    grid = _grid(channel.time[0], channel.time[-1], step)
     if len(grid) < 6:
         return grid, np.zeros(len(grid))
     if name == "wheel_angle":
