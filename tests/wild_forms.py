@@ -136,7 +136,7 @@ def rpm_and_degrees(folder):
         np.gradient(side, r.wheel_angle.time) * 60.0 / (2.0 * math.pi)
         for side in (r.wheel_angle.left, r.wheel_angle.right)
     ]
-    table(folder / "wheels.csv", "t,l,r", wheels.time, *rpm)
+    table(folder / "wheels.csv", "t,l,r", r.wheel_angle.time, *rpm)
     wrapped = (np.degrees(r.pose.theta) + 180.0) % 360.0 - 180.0
     table(folder / "pose.csv", "t,x,y,h", r.pose.time, r.pose.x, r.pose.y, wrapped)
     text = "  wheel_rate: {file: wheels.csv, time: t, left: l, right: r}\n" + POSE
