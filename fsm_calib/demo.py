@@ -6,7 +6,7 @@ and poses with white noise. The diagnosis gets the recordings and nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -43,16 +43,19 @@ class DemoDrives:
     eccentricity: float
 
 
-def drive_demo(seed: int) -> DemoDrives:
-    """Drive a robot three times; the seed draws the wheel, the motors, the manoeuvres and the noise."""
+def drive_demo(seed: int, names: Sequence[str] = ("drive-1", "drive-2", "drive-3")) -> DemoDrives:
+    """Drive a robot three times; the seed draws the wheel, the motors, the manoeuvres and the noise.
+
+    `names` are what the recordings call their source.
+    """
     rng = np.random.default_rng(seed)
     eccentricity, ratio = float(rng.uniform(*ECCENTRICITY)), float(rng.uniform(*WHEEL_RATIO))
     robot = replace(nominal_robot("demo"), wheel_ratio=ratio)
     drives = []
-    for number in range(3):
+    for name in names:
         phase = float(rng.uniform(0.0, 2.0 * np.pi))
         hidden = {f"{HIDDEN}.left": eccentricity, f"{HIDDEN}.phase_left": phase}
-        drives.append(_drive(replace(robot, effects=hidden), rng, f"drive {number + 1}"))
+        drives.append(_drive(replace(robot, effects=hidden), rng, name))
     return DemoDrives((drives[0], drives[1]), drives[2], eccentricity)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.errors import InputError
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, StateTrack, WheelPair
 from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.report import diagnosis_signature
 from fsm_calib.report.diagnosis_figures import state_colour, unjoined
 from fsm_calib.report.diagnosis_paths import SEGMENT, drives, predicted_paths, state_spans
 from fsm_calib.report.diagnosis_report import diagnosis_page, write_report
@@ -62,15 +64,18 @@ def page(diagnosis: Diagnosis) -> str:
 
 
 def test_the_page_begins_with_the_answer(page: str) -> None:
-    answer = page[page.index("The answer") : page.index("Error of a prediction")]
+    answer = page[page.index("<h2>The answer") : page.index("<h2>Error of a prediction")]
     assert "motor deadband" in answer
     assert re.search(r"\d+ % sure", answer)
 
 
 def test_the_page_shows_before_after_and_floor_for_both_kinds_of_recordings(page: str) -> None:
-    rows = re.findall(r"<tr><td>(fitted|not fitted)</td>(.*?)</tr>", page)
-    assert [name for name, _ in rows] == ["not fitted", "fitted"]
-    assert all(cells.count("mm") == 3 and cells.count("deg") == 3 for _, cells in rows)
+    rows = re.findall(r"<tr><td>(fitted|not fitted)</td><td>(median|95 %)</td>(.*?)</tr>", page)
+    assert [row[:2] for row in rows] == [
+        (name, which) for name in ("not fitted", "fitted") for which in ("median", "95 %")
+    ]
+    for _, which, cells in rows:  # noise alone is told of the median
+        assert cells.count("mm") == cells.count("deg") == (3 if which == "median" else 2)
 
 
 def test_the_page_draws_every_recording_the_unseen_first(page: str) -> None:
@@ -101,7 +106,32 @@ def test_the_page_gives_the_effects_parameter_with_its_interval(page: str, diagn
 
 
 def test_the_page_needs_no_other_file(page: str) -> None:
-    assert not re.search(r'(src|href)="(?!#|data:)', page)
+    assert not re.search(r'(src|href)="(?!#|data:|world\.yaml")', page)
+
+
+def test_the_page_shows_the_equation_with_the_fitted_numbers(page: str, diagnosis: Diagnosis) -> None:
+    estimate = diagnosis.verdict.effects[0].parameters["offset"]
+    physics = page[page.index("<h2>The physics") : page.index("<h2>What gave it away")]
+    assert registry()["motor_deadband"].equation.split("=")[0].strip() in html.unescape(physics)
+    assert f"offset = {estimate.value:.4g}" in physics
+
+
+def test_the_page_draws_the_error_against_what_gave_it_away(page: str) -> None:
+    figure = re.search(r'aria-label="Speed error against ([^:]*): motor deadband', page)
+    assert figure is not None
+
+
+def test_the_error_leaves_zero_without_the_effect_and_stays_there_with_it(diagnosis: Diagnosis) -> None:
+    prepared, around, before, after, _ = diagnosis_signature._one_recording(diagnosis)
+    quantity = 0.5 * (around.left + around.right)
+    parts = [diagnosis_signature.binned(prepared, around, steps, quantity, 0) for steps in (before, after)]
+    sizes = [float(np.sqrt(np.mean(part.mean**2))) for part in parts]
+    assert sizes[1] < 0.6 * sizes[0]
+
+
+def test_every_section_is_in_the_contents(page: str) -> None:
+    contents = re.findall(r'<a href="#([^"]+)">', page)
+    assert contents == re.findall(r'<section id="([^"]+)"', page)
 
 
 def test_each_part_of_the_time_is_on_the_page(page: str, diagnosis: Diagnosis) -> None:

@@ -42,9 +42,9 @@ def demo(
     make_folder(out)
     typer.echo("A simulated robot is driven three times. One of its wheels sits off its centre;")
     typer.echo("the program is given the commands and the poses of the drives, and nothing else.")
-    drives = drive_demo(seed)
-    for number, recording in enumerate((*drives.learned, drives.judged), start=1):
-        write_recording(recording, out / f"drive-{number}")
+    drives = drive_demo(seed, [str(out / f"drive-{number}") for number in (1, 2, 3)])
+    for recording in (*drives.learned, drives.judged):
+        write_recording(recording, Path(recording.source))
     with DiagnosisProgress(len(registry())) as bar:
         found = diagnose(drives.learned, (drives.judged,), progress=bar.part, seed=seed)
     page = _write_page(found, out)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
-import jinja2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +17,7 @@ from fsm_calib.report.camera_figures import (
     undistorted_view,
 )
 from fsm_calib.report.camera_words import parameter_rows, verdict
+from fsm_calib.report.pages import page
 from fsm_calib.types import BoardSpec, BoardView
 
 
@@ -41,11 +40,10 @@ def camera_report(
     """
     used = [views[index] for index in calibration.used]
     before, after = ("", "") if example is None else undistorted_view(calibration, example[1])
-    template = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent), autoescape=True
-    ).get_template("camera.html.j2")
-    return template.render(
+    return page(
+        "camera.html.j2",
         c=calibration,
+        photos=photo_rows(calibration, used),
         board=board,
         advice=verdict(calibration),
         error_map=error_map(calibration),
@@ -58,3 +56,14 @@ def camera_report(
         example="" if example is None else example[0],
         parameters=parameter_rows(calibration),
     )
+
+
+def photo_rows(calibration: CameraCalibration, used: Sequence[BoardView]) -> list[tuple[str, str, int, bool]]:
+    """Return (file, rms [px], corners, whether to take it again) of each photo used, the worst first."""
+    seen = np.isfinite(calibration.residuals[..., 0]).sum(axis=1)
+    worst = set(calibration.worst_views)
+    order = np.argsort(-calibration.view_rms)
+    return [
+        (used[view].source, f"{calibration.view_rms[view]:.3f}", int(seen[view]), int(view) in worst)
+        for view in order
+    ]

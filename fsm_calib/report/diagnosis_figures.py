@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.patches import Circle
 
-from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.proof.windows import Windows
 from fsm_calib.report.diagnosis_paths import Drive
-from fsm_calib.report.palette import BOARD_COLOURS, PHASE_COLOURS
+from fsm_calib.report.palette import AFTER, BEFORE, BOARD_COLOURS, FLOOR, MEASURED, PHASE_COLOURS
 from fsm_calib.report.run_style import Margins, figure, svg
 
-BEFORE, AFTER, MEASURED, FLOOR = "#d95f0e", "#2b7bba", "#222222", "#9aa0a6"
-"""Colours of the base robot alone, of the robot with the effects, of what was measured, and of the noise floor."""
 HOLE = 1.0
 """Time without windows over which no line is drawn [s]."""
 NAMED_STATES = 15
 """States that the ribbon's legend names."""
-RANKED = 12
-"""Rows of the ranking that are drawn."""
 SPREAD = 0.98
 """Share of errors inside the colour scale: a lone jump of the tracker must not darken the rest."""
 
 
-def error_over_time(drive: Drive) -> str:
-    """Return position and heading errors over the horizon against time, states as a ribbon above."""
+def error_over_time(drive: Drive, when: Sequence[tuple[float, float]] = ()) -> str:
+    """Return position and heading errors over the horizon against time, states as a ribbon above.
+
+    `when` are spans [s] in which the mismatch was located; they are shaded.
+    """
     rows = [r for r in (0, 1) if drive.placed or r == 1]
     heights = ([0.16] if drive.states else []) + [1.0] * len(rows)
     legend = 0.2 * -(-min(len({name for *_, name in drive.states}), NAMED_STATES) // 5)
@@ -36,6 +37,8 @@ def error_over_time(drive: Drive) -> str:
             _ribbon(axes[0], drive)
         for axis, row in zip(axes[-len(rows) :], rows, strict=True):
             _errors(axis, drive, row)
+            for begin, end in when:
+                axis.axvspan(begin, end, color=BEFORE, alpha=0.15, linewidth=0)
         axes[-1].set(xlabel="time [s]", xlim=(float(drive.time[0]), float(drive.time[-1])))
         axes[-len(rows)].legend(loc="upper right", ncols=3, fontsize=8)
         return svg(fig, f"Error over time, {drive.title}")
@@ -87,8 +90,11 @@ def state_colour(name: str, names: list[str]) -> str:
     return PHASE_COLOURS.get(name) or palette[others.index(name) % len(palette)]
 
 
-def error_on_floor(drive: Drive) -> str:
-    """Return where the errors were made: heading errors beside position errors are in the time plot."""
+def error_on_floor(drive: Drive, where: Mapping[str, float] | None = None) -> str:
+    """Return where the errors were made: heading errors beside position errors are in the time plot.
+
+    `where` (x, y, radius [m]) is drawn as a circle: there the mismatch was located.
+    """
     with figure(11.0, 4.2) as fig:
         pair = fig.subplots(1, 2, sharex=True, sharey=True)
         top = max(float(np.quantile(sizes(drive.before, 0), SPREAD)), 1.0) if len(drive.before.time) else 1.0
@@ -99,6 +105,11 @@ def error_on_floor(drive: Drive) -> str:
                 place[:, 0], place[:, 1], c=sizes(windows, 0), s=12, cmap="inferno_r", vmin=0.0, vmax=top
             )
             axis.set(aspect="equal", title=name, xlabel="x [m]")
+            if where:
+                ring = Circle(
+                    (where["x"], where["y"]), where["radius"], fill=False, color=BEFORE, linewidth=1.5
+                )
+                axis.add_patch(ring)
         pair[0].set_ylabel("y [m]")
         fig.subplots_adjust(right=0.9)
         bar = fig.add_axes((0.915, 0.12, 0.012, 0.78))
@@ -120,18 +131,3 @@ def paths(drive: Drive) -> str:
             axis.legend(loc="upper right", fontsize=8)
         pair[0].set_ylabel("y [m]")
         return svg(fig, f"Paths, {drive.title}")
-
-
-def ranking(ranked: tuple[Ranked, ...], named: set[str]) -> str:
-    """Return the evidence of the best hypotheses; the named ones in colour."""
-    rows = ranked[:RANKED][::-1]
-    with figure(11.0, 0.7 + 0.24 * len(rows)) as fig:
-        fig.subplots_adjust(left=0.2)
-        axis = fig.subplots()
-        colours = [AFTER if r.name in named else FLOOR for r in rows]
-        axis.barh([r.name for r in rows], [max(r.evidence, 0.0) for r in rows], color=colours, height=0.7)
-        for i, r in enumerate(rows):
-            axis.text(max(r.evidence, 0.0), i, f" {r.evidence:.0f}", va="center", fontsize=8)
-        axis.margins(x=0.08)
-        axis.set_xlabel("evidence: twice the log-likelihood gained, less the cost of the effect's numbers")
-        return svg(fig, "Ranking of hypotheses")

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.resources import files
 from typing import Any
 
-import jinja2
 import numpy as np
 from markupsafe import Markup
 
 from fsm_calib.actions.investigating import Field
 from fsm_calib.diagnosis.design.area import Area
+from fsm_calib.report.pages import page
 from fsm_calib.report.palette import BOARD_COLOURS, INK
 from fsm_calib.report.plot import Axes, Box, figure
 
@@ -20,14 +19,13 @@ TEMPLATE = "investigation.html.j2"
 
 def investigation_page(drives: Sequence[Field], area: Area, result: dict[str, Any]) -> str:
     """Return the page as HTML; `result` as in investigation.json."""
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    template = environment.from_string(files("fsm_calib.report").joinpath(TEMPLATE).read_text("utf-8"))
     named = " and ".join(effect["name"].replace("_", " ") for effect in result.get("effects", []))
     told = [
         {**row, "expected": row["expected"] or 0.0, "figure": Markup(driven(drive, area, number))}
         for number, (row, drive) in enumerate(zip(result["drives"], drives, strict=True), start=1)
     ]
-    return template.render(
+    return page(
+        TEMPLATE,
         answer=named or {"match": "nothing is missing"}.get(result.get("verdict", ""), "no answer"),
         ended=result["ended"].replace("_", " ").replace("/", ": "),
         seconds=result["robot"]["seconds"],

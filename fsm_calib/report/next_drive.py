@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-from importlib.resources import files
 from pathlib import Path
 
-import jinja2
 import numpy as np
 from markupsafe import Markup
 
@@ -16,6 +14,7 @@ from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.errors import InputError
 from fsm_calib.recording.playable import Commands, Unit, write_playable
 from fsm_calib.recording.recording import Recording
+from fsm_calib.report.pages import page
 from fsm_calib.report.palette import BOARD_COLOURS, INK, TEXT
 from fsm_calib.report.plot import Axes, Box, figure
 from fsm_calib.types import FloatArray
@@ -70,10 +69,9 @@ def _in_unit(recording: Recording, pairs: FloatArray, full_speed: float) -> tupl
 
 def next_drive_page(plan: Plan, area: Area, robot: str, bags: bool = True) -> str:
     """Return the page as HTML."""
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    template = environment.from_string(files("fsm_calib.report").joinpath(TEMPLATE).read_text("utf-8"))
     width, depth = area.size
-    return template.render(
+    return page(
+        TEMPLATE,
         plan=plan,
         robot=robot,
         bags=bags,

@@ -41,3 +41,6 @@ HEAT = (
     "#fde725",
 )
 """Evenly spaced stops of the colour map viridis, low to high (S. van der Walt, N. Smith, 2015, CC0)."""
+
+BEFORE, AFTER, MEASURED, FLOOR = "#d95f0e", "#2b7bba", "#222222", "#9aa0a6"
+"""Colours of the base robot alone, of the robot with the effects, of what was measured, and of the noise floor."""

@@ -5,14 +5,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Any
 
-import jinja2
 from markupsafe import Markup
 
 from fsm_calib.report import run_camera, run_plan, run_timeline, run_wheels
 from fsm_calib.report.camera_words import scan_verdict
+from fsm_calib.report.pages import page
 from fsm_calib.report.run_record import RunRecord
 
 TEMPLATE = "run.html.j2"
@@ -31,9 +30,8 @@ class Card:
 
 def run_report(record: RunRecord) -> str:
     """Return the report of a run as HTML."""
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    template = environment.from_string(files("fsm_calib.report").joinpath(TEMPLATE).read_text("utf-8"))
-    return template.render(
+    return page(
+        TEMPLATE,
         record=record,
         result=record.result,
         cards=cards(record.result),

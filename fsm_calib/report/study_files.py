@@ -8,15 +8,14 @@ import re
 import textwrap
 from collections.abc import Mapping
 from dataclasses import asdict, fields
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import yaml
 from markupsafe import Markup
 
 from fsm_calib.journal import plain, write_atomically
+from fsm_calib.report import pages
 from fsm_calib.report.run_style import svg
 from fsm_calib.report.study_blocks import Block, Content, Paragraph, Plot, Table, markdown_table
 from fsm_calib.report.study_content import content_of, settings_of
@@ -53,12 +52,12 @@ def costs_in(directory: Path) -> list[CommandCost]:
 
 def html_of(content: Content, summary: Summary) -> str:
     """Return the report as one HTML page that opens offline."""
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    environment = pages.environment()
     environment.tests["table"] = lambda block: isinstance(block, Table)
     environment.tests["plot"] = lambda block: isinstance(block, Plot)
     environment.filters["drawn"] = lambda block: Markup(svg(block.draw(), block.name))
-    template = environment.from_string(files("fsm_calib.report").joinpath(TEMPLATE).read_text("utf-8"))
-    return template.render(content=content, settings=settings_text(summary))
+    text = environment.get_template(TEMPLATE).render(content=content, settings=settings_text(summary))
+    return pages.finished(text)
 
 
 def settings_text(summary: Summary) -> str:
