@@ -13,6 +13,7 @@ from fsm_calib.actions.notebook import Notebook
 from fsm_calib.actions.settings import ActionSettings
 from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.ports import Robot
+from fsm_calib.types import WheelCommand
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,8 @@ class Bench:
         Frames for the report, at most `most_frames`, one in `keep_every`; not part of a checkpoint.
     calibration : CameraCalibration or None
         The last solution of the camera with its residuals, for the report; not part of a checkpoint.
+    steered : list of (float, WheelCommand)
+        The last commands in the lane with their times [s]; not part of a checkpoint.
     """
 
     robot: Robot
@@ -55,6 +58,7 @@ class Bench:
     keep_every: int = 6
     seen_frames: int = 0
     calibration: CameraCalibration | None = None
+    steered: list[tuple[float, WheelCommand]] = field(default_factory=list)
 
     @property
     def ratio(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.lane_lag import predict
 from fsm_calib.actions.leaving import speed_of
 from fsm_calib.actions.looking import look
 from fsm_calib.actions.markers import camera_of, tags_in
@@ -13,6 +14,9 @@ from fsm_calib.actions.turning import turn_step
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.lane import observe_lane
 from fsm_calib.types import STOP, Frame, LanePose, TagObservation, WheelCommand
+
+REMEMBERED = 20
+"""Commands in the lane that are remembered: more than any lag holds."""
 
 
 def seek_lane(bench: Bench) -> Outcome:
@@ -25,6 +29,7 @@ def seek_lane(bench: Bench) -> Outcome:
     if pose is None or abs(pose.phi) > bench.settings.lane.largest_phi:
         return _missed(turned)
     bench.notebook.lane_integral, bench.notebook.lane_side = 0.0, pose.d
+    bench.steered = []
     evidence = {**turned, "d": pose.d, "phi": pose.phi}
     return Outcome(
         "lane_seen", evidence, f"The lane is in sight, {math.degrees(pose.phi):.0f} deg to the robot."
@@ -50,10 +55,31 @@ def follow_lane(bench: Bench) -> Outcome:
             bench.robot.command(STOP)
             bench.robot.wait(bench.settings.drive.settle)
             return _missed({"turned": 0.0})
-        bench.robot.command(lane_command(bench, pose))
+        _steer(bench, lane_command(bench, _now_at(bench, pose, frame.time)))
         bench.robot.wait(settings.period)
     evidence = {"d": pose.d, "phi": pose.phi} if pose is not None else {}
     return Outcome("lane_followed", evidence, "One more stretch in the lane.")
+
+
+def _steer(bench: Bench, command: WheelCommand) -> None:
+    """Command the wheels, and remember it for the poses of frames that are on their way."""
+    bench.steered = [*bench.steered[-REMEMBERED:], (bench.robot.now(), command)]
+    bench.robot.command(command)
+
+
+def _now_at(bench: Bench, pose: LanePose, seen: float) -> LanePose:
+    """Return the pose at which a command given now will act, for a frame that was taken at `seen` [s]."""
+    unit = speed_of(bench) / (bench.notebook.drive_command or bench.settings.drive.command)
+    return predict(
+        pose,
+        seen,
+        bench.robot.now(),
+        bench.steered,
+        speed=unit,
+        ratio=bench.notebook.wheel_ratio,
+        axle=bench.settings.ratio.axle_length,
+        answer=bench.settings.lane.motor_answer,
+    )
 
 
 def lane_command(bench: Bench, pose: LanePose) -> WheelCommand:

@@ -159,6 +159,8 @@ class LaneSettings:
         Mean wheel command in the lane [1].
     period : float
         Time between two looks [s].
+    motor_answer : float
+        Time until the wheels have answered a command [s], where a lag of the frames is made up for.
     looks : int
         Looks of one stretch.
     k_d, k_phi, k_integral : float
@@ -186,6 +188,7 @@ class LaneSettings:
     largest_phi: float = math.radians(35.0)
     command: float = 0.20
     period: float = 0.3
+    motor_answer: float = 0.15
     looks: int = 4
     k_d: float = -6.0
     k_phi: float = -5.0

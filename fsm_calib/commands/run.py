@@ -162,6 +162,7 @@ def summary(result: dict[str, Any], directory: Path) -> str:
     lines.append(f"time         {seconds['simulated']:.1f} s simulated in {seconds['wall']:.1f} s")
     total = sum(seconds["by_part"].values()) or 1.0
     parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in seconds["by_part"].items())
+    lines += [f"robot        {sentence}" for sentence in result.get("stored", ())]
     return "\n".join([*lines, f"by part      {parts}", f"files        {directory}/"])
 
 

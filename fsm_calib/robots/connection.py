@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from fsm_calib.ports import Robot
-from fsm_calib.types import FloatArray
+from fsm_calib.types import CameraModel, FloatArray, WheelCalibration
 from fsm_calib.world2d.robot import World
+
+
+def _ignore(event: dict[str, Any]) -> None:
+    """Tell nobody."""
+
+
+def _store_nothing(camera: CameraModel | None, wheels: WheelCalibration | None) -> list[str]:
+    """Store nothing: a simulated robot keeps no files."""
+    return []
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +37,10 @@ class Connection:
         Returns the path so far, shape (n, 4): time [s], x, y [m], theta [rad]; true or dead-reckoned, as `pose`.
     close : callable
         Stops the wheels and ends the connection; may be called twice.
+    tell : callable
+        Publishes an event of the run (time, path, phase, trigger, sentence) for whoever listens on the robot.
+    store : callable
+        Stores a calibration on the robot itself and returns what was stored, a sentence each.
     """
 
     robot: Robot
@@ -34,3 +48,5 @@ class Connection:
     pose: Callable[[], list[float]]
     track: Callable[[], FloatArray]
     close: Callable[[], None]
+    tell: Callable[[dict[str, Any]], None] = _ignore
+    store: Callable[[CameraModel | None, WheelCalibration | None], list[str]] = _store_nothing

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from fsm_calib.errors import DataError, InputError
+from fsm_calib.errors import DataError, InputError, RobotLost
 from fsm_calib.journal import JOURNAL_NAME, read_journal
+from fsm_calib.outcome import Outcome
 from fsm_calib.perception.encoded import decode_colour
 from fsm_calib.report.run_plan import scene_corners
 from fsm_calib.robots.address import PORTS, RobotAddress, parse_address
@@ -16,6 +18,7 @@ from fsm_calib.robots.connection import Connection
 from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.simulated import connect_simulated
 from fsm_calib.runner.logged import LoggedCommand
+from fsm_calib.runner.progress import Observer
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.types import WheelCommand
 from fsm_calib.world2d.robot import World, WorldSpec
@@ -40,6 +43,7 @@ def connect(scenario: Scenario, spec: WorldSpec) -> Connection:
     """
     if scenario.robot.connect == "simulated":
         return connect_simulated(spec)
+    refuse_truth(scenario)
     link = scenario.robot.link.build()
     setup = GuardSetup(address_of(scenario), link, link.fence or farthest(spec), spec.start)
     if setup.address.kind == "ros1":
@@ -49,11 +53,52 @@ def connect(scenario: Scenario, spec: WorldSpec) -> Connection:
     raise InputError("DTPS robots cannot be driven yet", where="robot.connect", cure="Use ros1.")
 
 
+def refuse_truth(scenario: Scenario) -> None:
+    """Refuse to teach a real robot what only a simulation knows.
+
+    Raises
+    ------
+    InputError
+        The scenario says that the camera, or a drifted wheel ratio, is known.
+    """
+    known = scenario.robot.known
+    if known.camera or known.ratio_drift is not None:
+        name = "camera" if known.camera else "ratio_drift"
+        raise InputError(
+            "only a simulated robot's truth can be known beforehand",
+            where=f"robot.known.{name}",
+            cure="Leave it out and plan focus and scan too; known.wheel_ratio may be given.",
+        )
+
+
 def farthest(spec: WorldSpec) -> float:
     """Return how far from the start anything of the area is, and a margin [m]: where the fence stands."""
     points = np.vstack([np.empty((0, 2)), *scene_corners(spec.scene)])
     away = np.hypot(points[:, 0] - spec.start.x, points[:, 1] - spec.start.y)
     return float(away.max(initial=0.0)) + FENCE_MARGIN
+
+
+class Told:
+    """An observer that also tells a real robot's network what happens.
+
+    Parameters
+    ----------
+    observer : Observer
+        Who watches here.
+    connection : Connection
+        Who is told there.
+    """
+
+    def __init__(self, observer: Observer, connection: Connection) -> None:
+        self._observer, self._connection = observer, connection
+
+    def event(self, state: str, phase: str, outcome: Outcome | None, time: float) -> None:
+        """Pass an event on; see `progress.Observer`."""
+        self._observer.event(state, phase, outcome, time)
+        trigger, sentence = (outcome.trigger, outcome.sentence) if outcome else ("", "")
+        event = {"time": time, "path": state, "phase": phase, "trigger": trigger, "sentence": sentence}
+        with suppress(RobotLost):  # the run itself learns of it at its next call
+            self._connection.tell(event)
 
 
 def address_of(scenario: Scenario) -> RobotAddress:

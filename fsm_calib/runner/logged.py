@@ -7,6 +7,7 @@ seed, ends in the same state, and no frame has to be rendered again on the way.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from fsm_calib.errors import DataError
 from fsm_calib.ports import Robot
@@ -28,10 +29,12 @@ class LoggedRobot:
         Where wall time is charged.
     frames : int
         Frames that were taken before, in a run that goes on.
+    began : float
+        The run's time when the robot was connected [s]: a real robot's clock begins anew when a run goes on.
     """
 
-    def __init__(self, robot: Robot, parts: Parts, frames: int = 0) -> None:
-        self._robot, self._parts = robot, parts
+    def __init__(self, robot: Robot, parts: Parts, frames: int = 0, began: float = 0.0) -> None:
+        self._robot, self._parts, self._began = robot, parts, began
         self._commands: list[LoggedCommand] = []
         self.frames = frames
 
@@ -59,7 +62,7 @@ class LoggedRobot:
             raise DataError(
                 f"a wheel command is not finite: {command}", cure="Report it with scenario and seed."
             )
-        self._commands.append((self._robot.now(), command.left, command.right))
+        self._commands.append((self.now(), command.left, command.right))
 
     def wait(self, duration: float) -> None:
         """Let time pass; see `ports.Clock`."""
@@ -68,13 +71,16 @@ class LoggedRobot:
 
     def now(self) -> float:
         """Return the robot's time [s]."""
-        return self._robot.now()
+        return self._began + self._robot.now()
 
     def capture(self) -> Frame | None:
         """Expose a frame; see `ports.Camera`."""
         self.frames += 1
         with self._parts.part("rendering"):
-            return self._robot.capture()
+            frame = self._robot.capture()
+        if frame is None or self._began == 0.0:
+            return frame
+        return replace(frame, time=self._began + frame.time)
 
     def drain(self) -> list[LoggedCommand]:
         """Return the commands since the last call and forget them."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from fsm_calib.actions.bench import Bench
@@ -21,6 +21,8 @@ from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Observer
 from fsm_calib.statechart.runtime import Fired, Machine
 
+BETWEEN = "between"
+"""The state between two phases."""
 Activity = Callable[[Bench], Outcome]
 
 
@@ -54,6 +56,8 @@ class Run:
         Number of the next event.
     lost : RobotLost or None
         Why a real robot could not be driven any further.
+    begun : dict
+        What the present phase of a real robot began with; empty for a simulated one, which resumes at the last event.
     """
 
     machine: Machine
@@ -68,6 +72,7 @@ class Run:
     heading: Mapping[str, Any]
     sequence: int = 0
     lost: RobotLost | None = None
+    begun: dict[str, Any] = field(default_factory=dict)
 
 
 def run_to_end(run: Run) -> None:
@@ -143,7 +148,16 @@ def record(run: Run, activity: str, outcome: Outcome, fired: Fired) -> None:
         "bench": run.bench.to_state(),
         "gallery": run.gallery.to_state(),
     }
+    if run.begun:
+        if fired.dest == BETWEEN:
+            run.begun = begun_of(run)
+        state["begun"] = run.begun
     run.journal.checkpoint(state, durable=fired.dest.split("/")[0] != fired.source.split("/")[0])
+
+
+def begun_of(run: Run) -> dict[str, Any]:
+    """Return what a phase begins with: a real robot's run goes on from there, not in the middle of a phase."""
+    return {"state": run.machine.state, "books": run.machine.books.to_dict(), "bench": run.bench.to_state()}
 
 
 def event_record(run: Run, activity: str, outcome: Outcome, fired: Fired) -> dict[str, Any]:

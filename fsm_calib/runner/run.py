@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fsm_calib.errors import RobotLost
 from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME, PREVIOUS_NAME
 from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.outcome import Outcome
@@ -20,7 +21,7 @@ from fsm_calib.runner.loop import run_to_end, step_abort
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Observer, Silent
 from fsm_calib.runner.recording import write_drive
-from fsm_calib.runner.result import result_of
+from fsm_calib.runner.result import calibration_of, result_of
 from fsm_calib.runner.session import Session, new_session, resumed_session
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.statechart.machinery import Machinery
@@ -97,11 +98,16 @@ def _run_held(
     began = time.perf_counter()
     with watched(lambda: parts.enter("opencv"), parts.leave):
         session = start(scenario, directory, parts, observer, machinery)
-        with stop_on_signals():
-            drive(session)
-        session.connection.close()
+        try:
+            with stop_on_signals():
+                drive(session)
+                stored = store_on_robot(session)
+        finally:
+            session.connection.close()
         with parts.part("report"):
             result = result_of(session, 0.0, {})
+            if session.world is None:
+                result["stored"] = stored
             files.write_calibrations(directory, session)
             if scenario.output.recording:
                 write_drive(directory, session)
@@ -109,6 +115,19 @@ def _run_held(
     result |= _seconds(session, parts, began)
     files.write_result(directory, result)
     return Finished(directory, session, result)
+
+
+def store_on_robot(session: Session) -> list[str]:
+    """Store a finished calibration on a real robot and return what was stored, or why not, a sentence each."""
+    notebook, machine = session.run.bench.notebook, session.run.machine
+    if session.world is not None or machine.state != "done":
+        return []
+    camera = notebook.camera if notebook.figures is not None else None
+    wheels = calibration_of(notebook) if notebook.runs or notebook.lane_runs else None
+    try:
+        return session.connection.store(camera, wheels)
+    except RobotLost as lost:
+        return [f"Not everything was stored on the robot: {lost}"]
 
 
 def drive(session: Session) -> None:

@@ -14,11 +14,11 @@ from fsm_calib.errors import DataError, InputError
 from fsm_calib.journal import Journal, read_checkpoint
 from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.robots.connection import Connection
-from fsm_calib.runner.connecting import connect, drive_again
+from fsm_calib.runner.connecting import Told, connect, drive_again
 from fsm_calib.runner.gallery import Gallery
 from fsm_calib.runner.knowledge import teach
 from fsm_calib.runner.logged import LoggedRobot
-from fsm_calib.runner.loop import Activity, Run
+from fsm_calib.runner.loop import Activity, Run, begun_of
 from fsm_calib.runner.parts import Parts
 from fsm_calib.runner.progress import Observer
 from fsm_calib.scenario.models import Scenario
@@ -136,7 +136,10 @@ def _session(
     with parts.part("compiling"):
         connection = connect(scenario, spec)
     frames = state["frames"] if state else 0
-    robot = LoggedRobot(connection.robot, parts, frames)
+    is_real = connection.world is None
+    if state and is_real:
+        state = state | state["begun"]
+    robot = LoggedRobot(connection.robot, parts, frames, state["time"] if state and is_real else 0.0)
     run = Run(
         machine=_machine(machinery, scenario, limits, state),
         bench=Bench(robot, settings),
@@ -147,15 +150,17 @@ def _session(
         activities=activities,
         pose=connection.pose,
         parts=parts,
-        observer=observer,
+        observer=Told(observer, connection) if is_real else observer,
         gallery=_gallery(scenario, directory, state),
         heading=identity(scenario, machinery),
     )
     if state is None:
         teach(run.bench.notebook, scenario, spec.robot)
+        run.begun = begun_of(run) if is_real else {}
     if state:
         run.sequence = state["sequence"]
         run.bench.from_state(state["bench"])
+        run.begun = state["begun"] if is_real else {}
         with parts.part("physics"):
             if connection.world is not None:
                 drive_again(connection, connection.world, directory, state)

@@ -72,8 +72,11 @@ class SimulatedRobot:
         self.command(STOP)
 
     def capture(self) -> Frame | None:
-        """Expose one frame that ends now; None when the camera delivers nothing."""
-        return self.__shutter.capture(self.__motion)
+        """Expose one frame that ends now and return it after the camera's delay; None when it delivers nothing."""
+        frame = self.__shutter.capture(self.__motion)
+        if self.__settings.camera_delay > 0.0:
+            self.wait(self.__settings.camera_delay)
+        return frame
 
     def now(self) -> float:
         """Return the time since the start [s]."""

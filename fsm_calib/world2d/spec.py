@@ -58,6 +58,8 @@ class WorldSettings:
         How often it is drawn anew [s]; interpolated between.
     trace_period : float
         Spacing of the true path that is kept [s].
+    camera_delay : float
+        From the exposure of a frame until it is at hand [s]; the wheels keep their command meanwhile.
     """
 
     step: float = LONGEST_STEP
@@ -65,6 +67,7 @@ class WorldSettings:
     drive_noise: float = 0.01
     noise_period: float = 0.1
     trace_period: float = 0.02
+    camera_delay: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse steps that are too long for contacts and settings without meaning."""
@@ -72,6 +75,7 @@ class WorldSettings:
         check_range("command_limit", self.command_limit, 0.01, 1.0)
         check_range("drive_noise", self.drive_noise, 0.0, 0.5)
         check_range("noise_period", self.noise_period, self.step, 10.0)
+        check_range("camera_delay", self.camera_delay, 0.0, 2.0)
         check_range("trace_period", self.trace_period, self.step, 10.0)
 
 

@@ -8,7 +8,9 @@ from fsm_calib.robots.connection import Connection
 from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.ros1.camera import Decode
 from fsm_calib.robots.ros1.robot import Ros1Robot
-from fsm_calib.types import FloatArray
+from fsm_calib.robots.ros1.state import StateTeller
+from fsm_calib.robots.ros1.store import store_calibration
+from fsm_calib.types import CameraModel, FloatArray, WheelCalibration
 
 
 def connect_ros1(setup: GuardSetup, decode: Decode) -> Connection:
@@ -24,4 +26,11 @@ def connect_ros1(setup: GuardSetup, decode: Decode) -> Connection:
     def track() -> FloatArray:
         return np.array(robot.guard.path, dtype=float).reshape(-1, 4)
 
-    return Connection(robot, None, lambda: list(robot.guard.pose), track, robot.close)
+    teller = StateTeller(robot.node, robot.topics)
+
+    def store(camera: CameraModel | None, wheels: WheelCalibration | None) -> list[str]:
+        return store_calibration(robot.node, robot.topics, camera, wheels)
+
+    return Connection(
+        robot, None, lambda: list(robot.guard.pose), track, robot.close, tell=teller.tell, store=store
+    )

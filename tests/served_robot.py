@@ -1,0 +1,28 @@
+"""A served robot in lockstep and the scenario that calibrates it, for tests and the benchmark."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from fsm_calib.perception.encoded import encode_jpeg
+from fsm_calib.robots.ros1.served_node import ServedNode
+from fsm_calib.robots.served.settings import ServeSettings
+from fsm_calib.runner.connecting import with_robot
+from fsm_calib.scenario.models import Scenario
+from fsm_calib.scenario.world import world_of
+from fsm_calib.world2d.robot import make_world
+
+
+@contextmanager
+def served(scenario: Scenario, master: str, **settings: float) -> Iterator[tuple[ServedNode, Scenario]]:
+    """Serve the scenario's robot; yield it, and the scenario for a client."""
+    robot = dataclasses.replace(ServeSettings(), **settings)
+    node = ServedNode(make_world(world_of(scenario)), robot, master, "duckie", encode_jpeg, lockstep=True)
+    real = with_robot(scenario, master.replace("http", "ros1") + "duckie").robot
+    link = real.link.model_copy(update={"lockstep": True})
+    try:
+        yield node, scenario.model_copy(update={"robot": real.model_copy(update={"link": link})})
+    finally:
+        node.close()
