@@ -14,29 +14,33 @@ from fsm_calib.runner.hold import held
 from fsm_calib.stops import Interrupted, on_stop_signals
 from fsm_calib.study.orphans import ORPHANED, watch
 
-PROGRAM = "import sys\nfrom fsm_calib import cli\nprint('ready', file=sys.stderr, flush=True)\n{then}"
+STOPPED_AT_WORK = """
+import os, signal, time
+from fsm_calib import cli
+
+signal.signal({number}, signal.SIG_DFL)  # a background job ignores it
 
 
-def started(then: str) -> subprocess.Popen:
-    """Return a program that has said that it is ready."""
-    code = PROGRAM.format(then=then)
-    process = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True)
-    assert process.stderr is not None
-    assert process.stderr.readline() == "ready\n"
-    return process
+def slow():
+    os.kill(os.getpid(), {number})
+    time.sleep(60)
+
+
+cli.app = slow
+cli.main()
+"""
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_command_that_is_stopped_before_its_work_says_so(number: signal.Signals) -> None:
-    told = f"cli.typer.echo('working', err=True)\nos.kill(os.getpid(), {int(number)})\ntime.sleep(60)"
-    body = "\n    ".join(told.split("\n"))
-    heard = f"import signal; signal.signal({int(number)}, signal.SIG_DFL)"  # a background job ignores it
-    process = started(f"import os, time; {heard}\ndef slow():\n    {body}\ncli.app = slow\ncli.main()")
-    _, said = process.communicate(timeout=30)
-    assert process.returncode == 1
-    assert f"fsm-calib: stopped by {number.name} before the end." in said
-    assert "--resume" in said
-    assert "Traceback" not in said
+    code = STOPPED_AT_WORK.format(number=int(number))
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 1
+    assert f"fsm-calib: stopped by {number.name} before the end." in done.stderr
+    assert "--resume" in done.stderr
+    assert "Traceback" not in done.stderr
 
 
 def test_a_signal_that_was_ignored_stays_ignored() -> None:
