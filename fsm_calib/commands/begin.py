@@ -35,8 +35,8 @@ def demo(
     """Drive a robot with a hidden fault, find the fault, and open the page that tells it."""
     from fsm_calib.demo import HIDDEN, drive_demo
     from fsm_calib.diagnosis.diagnose import diagnose
+    from fsm_calib.progress.diagnosis import DiagnosisProgress
     from fsm_calib.recording.writers import write_recording
-    from fsm_calib.report.diagnosis_progress import DiagnosisProgress
     from fsm_calib.world2d.effects import registry
 
     make_folder(out)

@@ -79,7 +79,7 @@ def diagnose_command(
 ) -> None:
     """Compare recordings with the simulation: locate the mismatch, name the physics, show the fit improve."""
     from fsm_calib.diagnosis.diagnose import diagnose
-    from fsm_calib.report.diagnosis_progress import DiagnosisProgress
+    from fsm_calib.progress.diagnosis import DiagnosisProgress
     from fsm_calib.scenario.world import physics_of
     from fsm_calib.world2d.effects import registry
 

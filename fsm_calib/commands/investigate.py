@@ -54,8 +54,8 @@ def investigate_command(
     effects: EffectsOption = None,
 ) -> None:
     """Drive, diagnose, and design the next drive, until it is settled what the simulation is missing."""
+    from fsm_calib.progress.run import ProgressBar
     from fsm_calib.runner.investigation.run import investigate
-    from fsm_calib.runner.progress import ProgressBar
 
     check_places(json_file)
     loaded = asked_of(scenario, robot, budget, seed)

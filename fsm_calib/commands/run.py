@@ -60,8 +60,9 @@ def run(
     watch: Annotated[bool, typer.Option("--watch", help="Serve a page that shows the run.")] = False,
 ) -> None:
     """Calibrate a robot as a scenario says: camera, wheels, exit, lane; simulated, or a real one with --robot."""
+    from fsm_calib.progress.run import ProgressBar
+    from fsm_calib.report.run_report import run_report
     from fsm_calib.runner.connecting import address_of, with_robot
-    from fsm_calib.runner.progress import ProgressBar
     from fsm_calib.runner.run import run_scenario
     from fsm_calib.watch.area import write_area
 
@@ -75,7 +76,12 @@ def run(
     with watched(directory, watch):
         with ProgressBar(loaded.plan or (machinery.root.name,)) as bar:
             finished = run_scenario(
-                loaded, directory, resume=resume is not None, observer=bar, machinery=machinery
+                loaded,
+                directory,
+                resume=resume is not None,
+                observer=bar,
+                machinery=machinery,
+                draw=run_report,
             )
         typer.echo(summary(finished.result, directory))
     if finished.result["outcome"] != "done":

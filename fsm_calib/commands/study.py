@@ -47,13 +47,13 @@ def study(
     effects: EffectsOption = None,
 ) -> None:
     """Calibrate many robots by hand and automatically, and compare; a killed command goes on where it was."""
+    from fsm_calib.progress.fleet import FleetBar
     from fsm_calib.report.study_files import write_page, write_study
     from fsm_calib.shipped import scenario_path
     from fsm_calib.study.backends import BACKENDS, check_backend
     from fsm_calib.study.fleet import Crew, run_fleet
     from fsm_calib.study.interrupts import interrupted_by_signals
     from fsm_calib.study.load import load_study
-    from fsm_calib.study.progress import FleetBar
     from fsm_calib.study.summary import summarise
 
     chosen = next((name for name in BACKENDS if name == backend), None)

@@ -11,7 +11,7 @@ from fsm_calib.perception.undistort import as_png
 from fsm_calib.report.palette import BOARD_COLOURS, HEAT, INK, TEXT
 from fsm_calib.report.plot import Axes, Box, figure
 from fsm_calib.report.plot_scale import Scale
-from fsm_calib.report.run_record import RunRecord
+from fsm_calib.runner.record import RunRecord
 from fsm_calib.types import FloatArray
 
 SIZE = (360.0, 320.0)

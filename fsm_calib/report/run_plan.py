@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
 from fsm_calib.report.palette import BOARD_COLOURS, INK, PHASE_COLOURS, TEXT
 from fsm_calib.report.plot import Axes, Box, figure
 from fsm_calib.report.plot_scale import limits
-from fsm_calib.report.run_record import RunRecord
+from fsm_calib.runner.record import RunRecord
 from fsm_calib.types import FloatArray, Pose2
-from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, SceneSpec
+from fsm_calib.world2d.outlines import (
+    SHOULDER,
+    board_outline,
+    marker_squares,
+    road_band,
+    scene_corners,
+    square,
+)
+from fsm_calib.world2d.scene import BoardPlacement, Road, SceneSpec
 
 LABEL = 0.35
 """Room for the names of boards beside them [m]."""
@@ -21,8 +27,6 @@ ARROW = 0.16
 """Length of the arrow that shows where the robot looked from [m]."""
 NEAR = 0.62
 """Half the width of the close-up [m]."""
-SHOULDER = 0.03
-"""Road drawn beyond its white lines, so that they show [m]."""
 ROAD_GREY = "#8d8d8d"
 """Colour of the road, on which white lines show."""
 WALL = "#7a4b2a"
@@ -53,18 +57,6 @@ def floor_plan(record: RunRecord) -> str:
     return figure(*SIZE, "Floor plan with the driven path", whole, near)
 
 
-def scene_corners(scene: SceneSpec) -> list[Any]:
-    """Return the corners of everything in the area, each of shape (n, 2) [m]."""
-    shapes = [board_outline(board) for board in scene.boards]
-    shapes += [np.array([(wall.x0, wall.y0), (wall.x1, wall.y1)]) for wall in scene.walls]
-    if scene.field is not None:
-        shapes += marker_squares(scene.field)
-    if scene.road is not None:
-        middle = scene.road.centre_offset
-        shapes.append(np.array(road_band(scene.road, middle, 2.0 * (scene.road.half_width + SHOULDER))))
-    return shapes
-
-
 def draw_scene(axes: Axes, scene: SceneSpec) -> None:
     """Draw boards, markers, lane and walls."""
     if scene.road is not None:
@@ -78,49 +70,11 @@ def draw_scene(axes: Axes, scene: SceneSpec) -> None:
         axes.words(wall.x0, wall.y0, "wall", WALL)
 
 
-def _square(x: float, y: float, side: float, heading: float) -> np.ndarray:
-    """Return the corners of a square, shape (4, 2) [m]."""
-    corners = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]) * 0.5 * side
-    c, s = math.cos(heading), math.sin(heading)
-    return corners @ np.array([[c, s], [-s, c]]) + (x, y)
-
-
-def marker_squares(field: MarkerField) -> list[FloatArray]:
-    """Return the floor markers at their places in the drawing; the printed area differs by millimetres."""
-    shapes = []
-    for row in range(field.rows):
-        y = (0.5 * (field.rows - 1) - row) * field.pitch
-        for column in range(field.columns):
-            if field.first_id + row * field.columns + column in field.missing:
-                continue
-            shapes.append(_square(field.first_x - column * field.pitch, y, field.size, field.heading))
-    return shapes
-
-
-def board_outline(placement: BoardPlacement) -> FloatArray:
-    """Return a board's footprint: a thin line when it stands, an area when it leans or lies."""
-    depth = max(placement.height * math.sin(placement.lean), 0.006)
-    corners = np.array([(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)]) * (depth, placement.width)
-    c, s = math.cos(placement.yaw), math.sin(placement.yaw)
-    return np.asarray(corners @ np.array([[c, s], [-s, c]]) + (placement.x, placement.y))
-
-
 def _draw_board(axes: Axes, placement: BoardPlacement, number: int) -> None:
     """Draw a board's footprint with its number and kind beside it."""
     colour = BOARD_COLOURS[number % len(BOARD_COLOURS)]
     axes.areas([board_outline(placement)], colour, 0.33, edge=colour)
     axes.words(placement.x + 0.14, placement.y, f"board {number}\n{placement.kind}", colour)
-
-
-def road_band(
-    road: Road, offset: float, width: float, begin: float = 0.0, end: float | None = None
-) -> list[tuple[float, float]]:
-    """Return the corners of a band along the road, its middle `offset` to the left of the line driven [m]."""
-    along = Pose2(road.start.x, road.start.y, road.start.theta)
-    corners = [(begin, offset - width / 2), (end or road.length, offset - width / 2)]
-    corners += [(x, y + width) for x, y in reversed(corners)]
-    points = [along.then(Pose2(x, y)) for x, y in corners]
-    return [(p.x, p.y) for p in points]
 
 
 def _draw_road(axes: Axes, road: Road) -> None:
@@ -135,7 +89,7 @@ def _draw_road(axes: Axes, road: Road) -> None:
     along = Pose2(road.start.x, road.start.y, road.start.theta)
     places = [road.first_marker + number * road.marker_pitch for number in range(road.markers)]
     spots = [along.then(Pose2(place, 0.0)) for place in places]
-    axes.areas([_square(spot.x, spot.y, road.marker_size, road.start.theta) for spot in spots], "#e3e6ea")
+    axes.areas([square(spot.x, spot.y, road.marker_size, road.start.theta) for spot in spots], "#e3e6ea")
 
 
 def draw_track(axes: Axes, record: RunRecord, is_named: bool) -> None:

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from fsm_calib.report import run_camera, run_plan, run_timeline, run_wheels
 from fsm_calib.report.camera_words import scan_verdict
 from fsm_calib.report.pages import page
-from fsm_calib.report.run_record import RunRecord
+from fsm_calib.runner.record import RunRecord
 
 TEMPLATE = "run.html.j2"
 FIGURES = ("plan", "timeline", "coverage", "reprojection", "predicted", "ratio", "drives")

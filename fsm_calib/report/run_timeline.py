@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fsm_calib.report.palette import PHASE_COLOURS, TEXT
 from fsm_calib.report.plot import Axes, Box, figure
-from fsm_calib.report.run_record import RunRecord
+from fsm_calib.runner.record import RunRecord
 
 ROW = 17.0
 """Height of a row [px]."""

@@ -7,7 +7,7 @@ import numpy as np
 from fsm_calib.report.palette import ALLOWED, INK, PHASE_COLOURS
 from fsm_calib.report.plot import Axes, Box, figure
 from fsm_calib.report.plot_scale import limits
-from fsm_calib.report.run_record import RunRecord
+from fsm_calib.runner.record import RunRecord
 
 TOLERANCE = 0.005
 """Error of k that bends a 2 m drive by 0.10 m: deviation = e s^2 / (2 L) with L = 0.1 m."""

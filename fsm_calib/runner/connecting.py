@@ -12,7 +12,6 @@ from fsm_calib.errors import DataError, InputError, RobotLost
 from fsm_calib.journal import JOURNAL_NAME, read_journal
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.encoded import decode_colour
-from fsm_calib.report.run_plan import scene_corners
 from fsm_calib.robots.address import PORTS, RobotAddress, parse_address
 from fsm_calib.robots.connection import Connection
 from fsm_calib.robots.guard.setup import GuardSetup
@@ -21,6 +20,7 @@ from fsm_calib.runner.logged import LoggedCommand
 from fsm_calib.runner.progress import Observer
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.types import WheelCommand
+from fsm_calib.world2d.outlines import scene_corners
 from fsm_calib.world2d.robot import World, WorldSpec
 
 POSE_TOLERANCE = 1e-9

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -16,7 +16,7 @@ from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.perception.camera_files import write_extrinsics, write_intrinsics
 from fsm_calib.perception.extrinsics import floor_homography, is_corrupt, rectified_matrix
 from fsm_calib.perception.static_boards import calibrate_scan
-from fsm_calib.report.run_record import RunRecord
+from fsm_calib.runner.record import RunRecord
 from fsm_calib.runner.result import calibration_of, test_drives
 from fsm_calib.runner.session import Session
 from fsm_calib.scenario.models import Scenario
@@ -24,6 +24,8 @@ from fsm_calib.world2d.robot import WorldSpec
 
 RESULT_NAME = "result.json"
 REPORT_NAME = "report.html"
+Draw = Callable[[RunRecord], str]
+"""Makes a page of a finished run; the runner knows nobody who does."""
 
 
 def write_result(directory: Path, result: Mapping[str, Any]) -> Path:
@@ -133,10 +135,8 @@ def _simulation(spec: WorldSpec) -> dict[str, Any]:
     return {"world": spec.settings, "sensor": spec.optics, "wear": spec.wear, "faults": faults}
 
 
-def write_report(directory: Path, session: Session, result: Mapping[str, Any]) -> Path:
-    """Write report.html and return its path."""
-    from fsm_calib.report.run_report import run_report
-
+def write_report(directory: Path, session: Session, result: Mapping[str, Any], draw: Draw) -> Path:
+    """Write the page that `draw` makes of the run, report.html, and return its path."""
     path = directory / REPORT_NAME
-    write_atomically(path, run_report(record_of(directory, session, result)).encode())
+    write_atomically(path, draw(record_of(directory, session, result)).encode())
     return path

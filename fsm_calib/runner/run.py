@@ -52,6 +52,7 @@ def run_scenario(
     resume: bool = False,
     observer: Observer | None = None,
     machinery: Machinery = CALIBRATION,
+    draw: files.Draw | None = None,
 ) -> Finished:
     """Run a scenario and write its files.
 
@@ -67,6 +68,8 @@ def run_scenario(
         Who watches.
     machinery : Machinery
         The machine that runs; the calibration by default.
+    draw : callable or None
+        Makes the page of a finished run, `report.html`; None for no page.
 
     Raises
     ------
@@ -83,7 +86,7 @@ def run_scenario(
         if not resume:
             clear(directory)
         start = resumed_session if resume else new_session
-        return _run_held(scenario, directory, start, observer or Silent(), machinery)
+        return _run_held(scenario, directory, start, observer or Silent(), machinery, draw)
 
 
 def _run_held(
@@ -92,6 +95,7 @@ def _run_held(
     start: Callable[..., Session],
     observer: Observer,
     machinery: Machinery,
+    draw: files.Draw | None,
 ) -> Finished:
     """Run a scenario in a directory that no other run works in."""
     parts = Parts("start")
@@ -111,7 +115,8 @@ def _run_held(
             files.write_calibrations(directory, session)
             if scenario.output.recording:
                 write_drive(directory, session)
-            _write_report(directory, session, result | _seconds(session, parts, began))
+            if scenario.output.report and draw is not None:
+                files.write_report(directory, session, result | _seconds(session, parts, began), draw)
     result |= _seconds(session, parts, began)
     files.write_result(directory, result)
     return Finished(directory, session, result)
@@ -145,12 +150,6 @@ def _seconds(session: Session, parts: Parts, began: float) -> dict[str, Any]:
     by_part = {name: round(value, 4) for name, value in parts.seconds().items()}
     wall = round(time.perf_counter() - began, 4)
     return {"seconds": {"simulated": session.run.robot.now(), "wall": wall, "by_part": by_part}}
-
-
-def _write_report(directory: Path, session: Session, result: dict[str, Any]) -> None:
-    """Write the report when the scenario wants one."""
-    if session.scenario.output.report:
-        files.write_report(directory, session, result)
 
 
 def clear(directory: Path) -> None:

@@ -11,9 +11,9 @@ import numpy as np
 from fsm_calib.errors import InputError
 from fsm_calib.journal import write_atomically
 from fsm_calib.report.palette import BOARD_COLOURS, PHASE_COLOURS
-from fsm_calib.report.run_plan import SHOULDER, board_outline, marker_squares, road_band
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.scene import scene_of
+from fsm_calib.world2d.outlines import SHOULDER, board_outline, marker_squares, road_band
 from fsm_calib.world2d.scene import Road, SceneSpec
 
 AREA_NAME = "area.json"

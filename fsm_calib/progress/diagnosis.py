@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from fsm_calib.report.terminal_bar import TerminalBar
+from fsm_calib.progress.bar import TerminalBar
 
 OTHER_PARTS = 4  # base robot, location, what is left, proof
 

@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
 
-from fsm_calib.report.terminal_bar import TerminalBar
+from fsm_calib.progress.bar import TerminalBar
 from fsm_calib.study.variants import BASE, robot_name
 
 _HOUR = 3600.0
