@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fsm_calib.errors import LinkLost
+from fsm_calib.errors import InputError, LinkLost
 
 if TYPE_CHECKING:
     from fsm_calib.robots.ros1.master import Master
@@ -61,6 +61,56 @@ def serve(
     served.close()
     if master is not None:
         master.close()
+
+
+@robot_app.command()
+def check(
+    robot: Annotated[
+        str, typer.Option(metavar="ADDRESS", help="ros1://HOST[:PORT]/VEHICLE.", show_default=False)
+    ],
+    json_file: Annotated[
+        Path | None, typer.Option("--json", metavar="FILE", help="Write the figures here, too.")
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before the wheels turn.")] = False,
+) -> None:
+    """Test a robot before its first run: camera, delays, least command, emergency stop. Its wheels turn a little."""
+    import json
+
+    from fsm_calib.commands.files import check_places, write_file
+    from fsm_calib.perception.encoded import decode_image
+    from fsm_calib.robots.address import parse_address
+    from fsm_calib.robots.guard.setup import GuardSetup
+    from fsm_calib.robots.ros1.check import Check
+    from fsm_calib.runner.run import Stopped, stop_on_signals
+
+    check_places(json_file)
+    address = parse_address(robot)
+    if address.kind != "ros1":
+        raise InputError(
+            "only ROS 1 robots can be checked", where="--robot", cure="Give ros1://HOST/VEHICLE."
+        )
+    typer.echo("The robot will turn and move by some centimetres. Stand it on the floor.", err=True)
+    if not yes and not typer.confirm("Start?", err=True):
+        raise InputError("the check was not agreed to", where="--robot", cure="Answer y, or give --yes.")
+    tested, findings = Check(GuardSetup(address), decode_image), []
+    try:
+        with stop_on_signals():
+            for finding in tested.findings():
+                findings.append(finding)
+                typer.echo(f"{'good' if finding.good else 'BAD ':4s}  {finding.sentence}")
+    except Stopped as stopped:
+        typer.echo(f"fsm-calib: {stopped}", err=True)
+        raise typer.Exit(1) from stopped
+    finally:
+        tested.close()
+    if json_file is not None:
+        write_file(json_file, json.dumps({item.name: item.value for item in findings}, indent=2) + "\n")
+    bad = [finding for finding in findings if not finding.good]
+    typer.echo(
+        "The robot can calibrate itself." if not bad else f"{len(bad)} of {len(findings)} need a look first."
+    )
+    if bad:
+        raise typer.Exit(1)
 
 
 def _own_master(host: str, port: int) -> Master | None:

@@ -29,17 +29,13 @@ class Outlet(Protocol):
 
 
 def open_outlet(setup: GuardSetup, inbox: Queue[Event]) -> Outlet:
-    """Return the outlet for a guard's robot.
+    """Return the outlet for a guard's robot, one with ROS 1.
 
     Raises
     ------
     RobotLost
         The robot does not answer, or somebody else drives it.
     """
-    if setup.address.kind == "dtps":
-        from fsm_calib.robots.dtps.outlet import DtpsOutlet
-
-        return DtpsOutlet(setup.address, inbox)
     from fsm_calib.robots.ros1.outlet import Ros1Outlet
 
     return Ros1Outlet(setup.address, inbox)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fsm_calib.robots.battery import refuse_flat
 from fsm_calib.robots.connection import Connection
 from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.ros1.camera import Decode
@@ -21,6 +22,8 @@ def connect_ros1(setup: GuardSetup, decode: Decode) -> Connection:
     RobotLost
         The robot does not answer, or must not be driven.
     """
+    if not setup.lockstep:
+        refuse_flat(setup.address.host, setup.settings.lowest_battery)
     robot = Ros1Robot(setup, decode)
 
     def track() -> FloatArray:
