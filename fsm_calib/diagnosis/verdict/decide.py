@@ -99,7 +99,14 @@ class Judge:
             location = locate(self.engine, base, situations, self.rng)
         gates = self.gates
         selector = Selector(
-            self.engine, base, self.effects, gates.detect, gates.further_share, gates.most, self.progress
+            self.engine,
+            base,
+            self.effects,
+            gates.detect,
+            gates.further_share,
+            gates.curious,
+            gates.most,
+            self.progress,
         )
         with self.part("catalogue"):
             bank = Bank.on(self.engine, base)

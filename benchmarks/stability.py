@@ -1,0 +1,69 @@
+"""Do disjoint pairs of a robot's recordings get answers that agree? No label is needed.
+
+    python3 benchmarks/stability.py [--folder duckiebot-watchtower] [--first 4]
+
+Two answers contradict where one says a name with more than 0.8 that the other neither says nor has in a set, though it
+names something with more than 0.8, too. The recordings are not part of this repository (FSM_CALIB_SHARED, default
+../shared).
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import os
+from collections import defaultdict
+from pathlib import Path
+
+SHARED = Path(os.environ.get("FSM_CALIB_SHARED", Path(__file__).parents[2] / "shared"))
+SURE = 0.8
+
+
+def pairs_of(folder: str) -> list[tuple[Path, Path]]:
+    """Return disjoint pairs of recordings, those of one robot (the name up to the dash) together, in order."""
+    robots: dict[str, list[Path]] = defaultdict(list)
+    for path in sorted((SHARED / "recordings" / folder).glob("*.recording.yaml")):
+        robots[path.name.split("-")[0] if "-" in path.name else ""].append(path)
+    found = []
+    for paths in robots.values():
+        found += [(a, b) for a, b in itertools.pairwise(paths)][::2]
+    return found
+
+
+def contradicts(one: dict, other: dict) -> bool:
+    """Return whether an answer says surely what another sure answer leaves out."""
+    sure = [{n for n, p in answer["said"].items() if p > SURE} for answer in (one, other)]
+    return all(sure) and bool(sure[0] - other["names"] or sure[1] - one["names"])
+
+
+def main() -> None:
+    """Print the answer of each pair, and how many contradict each other."""
+    from fsm_calib.diagnosis.diagnose import diagnose
+    from fsm_calib.recording import read_recording
+
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--folder", default="duckiebot-watchtower")
+    parser.add_argument("--first", type=int, default=99, help="so many pairs")
+    arguments = parser.parse_args()
+    answers = []
+    for pair in pairs_of(arguments.folder)[: arguments.first]:
+        verdict = diagnose([read_recording(str(path)) for path in pair]).verdict
+        said = {e.name: e.confidence for e in verdict.effects}
+        names = set(said) | {name for group in verdict.ambiguous for name in group}
+        answers.append({"pair": [p.name.split(".")[0] for p in pair], "said": said, "names": names})
+        shown = ", ".join(f"{name} {p:.2f}" for name, p in said.items()) or "-"
+        print(
+            f"{' + '.join(answers[-1]['pair'])}: {verdict.verdict}: {shown}; sets {verdict.ambiguous}",
+            flush=True,
+        )
+    robots = [a["pair"][0].split("-")[0] for a in answers]
+    against = sum(
+        contradicts(a, b)
+        for (a, r), (b, q) in itertools.combinations(zip(answers, robots, strict=True), 2)
+        if r == q
+    )
+    print(f"{against} of the pairs of answers contradict each other")
+
+
+if __name__ == "__main__":
+    main()
