@@ -21,6 +21,7 @@ from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.likelihood.robust import log_density
 from fsm_calib.types import FloatArray
 
+TOLD_APART = 0.95  # probability with which a name must beat a rival that is not to stand beside it in a set
 BLOCK = 1.0  # s: longer than the memory of the disturbances, shorter than a manoeuvre
 LOGISTIC = 3.4  # units of evidence: 2 x 1.7, where a normal curve comes nearest to a logistic one (Johnson & Kotz 1970)
 

@@ -115,7 +115,7 @@ class Judge:
         if not ranking or ranking[0].evidence < gates.detect:
             return self._without_name(*found)
         with self.part("further effects"):
-            selection = selector.grown(ranking)
+            selection = selector.best_grown(ranking)
         model = self._weighed(selection)
         named = model.named(gates.least_confidence)
         if not named:

@@ -18,6 +18,7 @@ import math
 from dataclasses import dataclass
 
 from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.proof.gap import TOLD_APART
 from fsm_calib.diagnosis.verdict.support import Support
 
 SURE = 4.0  # log odds of a name that leaves nothing: 2 in a hundred were wrong for no visible reason
@@ -28,7 +29,6 @@ LOOSE_SCALE = (
 REPLACED = 8.0  # even odds where forms do better by half of what the name explains
 MOVED = 4.0  # even odds where each drive asks for a law of its own
 
-TOLD_APART = 0.95  # probability with which a name must beat a rival that is not to stand beside it in a set
 LARGEST_LOG_ODDS = 30.0
 
 

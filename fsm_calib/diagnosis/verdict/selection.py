@@ -20,6 +20,7 @@ from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of, po
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off
+from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_plausible, stands_out
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
@@ -30,6 +31,7 @@ from fsm_calib.world2d.parameters import parameter_table
 POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
 POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
 BETTER = 3.0  # log-likelihood units that make another optimum worth a look
+BEAM = 2  # other first effects that are given company of their own
 RIVALS = 3  # of an earlier effect, asked again beside a new one
 NEAR = 0.3  # of its evidence: a rival that had less does not take its place
 
@@ -45,12 +47,14 @@ class Selection:
     """The effects that a model has, strongest first, the fit of all, and each round's ranking.
 
     dropped : the fit without each effect, in the effects' order: what the others make of the drives without it.
+    beside : other first effects that alone explained nearly as much, each with the fit of what was selected beside it.
     """
 
     effects: tuple[Ranked, ...]
     fit: Fit
     rankings: tuple[tuple[Ranked, ...], ...]
     dropped: tuple[Fit, ...] = ()
+    beside: tuple[tuple[Ranked, Fit], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +93,28 @@ class Selector:
             if len(selection.effects) < len(selection.rankings):
                 break  # one went as another came: what is left has been tried
         return selection
+
+    def best_grown(self, ranking: Sequence[Ranked]) -> Selection:
+        """Return the best selection that begins with the first of a ranking, or with one that is hardly behind it.
+
+        Two that cannot be told apart alone may be told apart only by what joined the first of them; so each of the
+        nearest is given its own company before they are compared.
+        """
+        grown = [self.grown(ranking)]
+        if len(grown[0].effects) == 1:
+            return grown[0]
+        named = {e.name for e in grown[0].effects}
+        near = [
+            r
+            for r in ranking[1 : 1 + BEAM]
+            if r.name not in named
+            and gap_between(self.engine, ranking[0].fit, r.fit).probability < TOLD_APART
+        ]
+        grown += [self.grown((r, *(o for o in ranking if o is not r))) for r in near]
+        best = max(grown, key=lambda s: evidence_of(s.fit, self.base, self.engine.count))
+        said = {e.name for e in best.effects}
+        others = [s for s in grown if s is not best and s.rankings[0][0].name not in said]
+        return replace(best, beside=tuple((s.rankings[0][0], s.fit) for s in others))
 
     def _with_one_more(self, selection: Selection) -> Selection | None:
         """Return the selection with the best further effect, less what it makes needless; None where none is."""
