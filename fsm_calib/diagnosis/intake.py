@@ -15,9 +15,11 @@ import numpy as np
 
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.diagnosis.identify.result import Identification
+from fsm_calib.diagnosis.inputs import with_input
 from fsm_calib.diagnosis.replay.kinematics import body_motion, sensor_motion
 from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE
 from fsm_calib.diagnosis.replay.wheels import wheels_of
+from fsm_calib.diagnosis.sized import identified_facts, sized
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Recording
@@ -54,8 +56,12 @@ def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ())
     if any(r.pose is None and r.displacement is not None for r in recordings):
         robot = identify(recordings)
         notes.append("the wheels and the sensor's place on the robot were identified first")
-    train = [with_poses(r, robot) for r in recordings]
-    new = [with_poses(r, robot) for r in holdouts]
+    size, sentence = identified_facts(recordings)
+    notes += [sentence] if sentence else []
+    train = [with_input(with_poses(sized(r, size), robot)) for r in recordings]
+    new = [with_input(with_poses(sized(r, size), robot)) for r in holdouts]
+    if any(r.pose is not None and not r.pose.has_heading for r in train):
+        notes.append("no heading was measured: it is reckoned from the path and the wheels, and not scored")
     total = sum(duration(r) for r in train)
     if total > LONGEST_IN_ALL:
         train = [piece for r in train for piece in stretches(r, STRETCHES_IN_ALL * duration(r) / total)]

@@ -29,7 +29,7 @@ def unwound(recording: Recording, time: FloatArray, theta: FloatArray) -> FloatA
     gaps = np.flatnonzero(np.diff(time) > SHORT_GAP)
     if not len(gaps):
         return theta
-    told = _wheels_turn(recording, time)
+    told = wheels_turn(recording, time)
     if told is None:
         return theta
     scale = _scale(time, theta, told, gaps)
@@ -49,7 +49,7 @@ def _scale(time: FloatArray, theta: FloatArray, told: FloatArray, gaps: np.ndarr
     return float(turned @ told / max(float(told @ told), 1e-12))
 
 
-def _wheels_turn(recording: Recording, time: FloatArray) -> FloatArray | None:
+def wheels_turn(recording: Recording, time: FloatArray) -> FloatArray | None:
     """Return the integral of the wheels' difference (n,), in any unit; None where nothing tells it."""
     if any(
         track is not None for track in (recording.wheel_angle, recording.wheel_rate, recording.wheel_speed)
@@ -60,6 +60,20 @@ def _wheels_turn(recording: Recording, time: FloatArray) -> FloatArray | None:
         return _held(recording.command.time, recording.command.right - recording.command.left, time - LAG)
     if recording.twist is not None:
         return _held(recording.twist.time, recording.twist.omega, time - LAG)
+    return None
+
+
+def wheels_sum(recording: Recording, time: FloatArray) -> FloatArray | None:
+    """Return the integral of the wheels' sum (n,), forward positive, in any unit; None where nothing tells it."""
+    if any(
+        track is not None for track in (recording.wheel_angle, recording.wheel_rate, recording.wheel_speed)
+    ):
+        left, right = wheels_of(recording).between(time)
+        return np.concatenate([[0.0], np.cumsum(right + left)])
+    if recording.command is not None:
+        return _held(recording.command.time, recording.command.right + recording.command.left, time - LAG)
+    if recording.twist is not None:
+        return _held(recording.twist.time, recording.twist.v, time - LAG)
     return None
 
 

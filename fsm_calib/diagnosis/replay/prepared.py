@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fsm_calib.diagnosis.replay.heading_reckoned import headed_by_wheels
 from fsm_calib.diagnosis.replay.heading_unwrap import unwound
 from fsm_calib.diagnosis.replay.kinematics import dead_reckon
 from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
@@ -26,7 +27,8 @@ REST_TIME = 0.6  # s in which disturbances fade after a stop: their memory, and 
 class Poses:
     """The measured poses that are used: time [s], x, y [m], theta [rad, unwrapped], shape (n,); dropped rows.
 
-    placed : whether x, y were measured; if not they are where the wheels would have brought the robot.
+    placed : whether x, y were measured; if not they are where the wheels would have brought the robot. headed :
+    whether theta was measured; if not it is where the robot looked by its path and its wheels.
     """
 
     time: FloatArray
@@ -35,6 +37,7 @@ class Poses:
     theta: FloatArray
     dropped: int = 0
     placed: bool = True
+    headed: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,14 +85,15 @@ def clean_poses(recording: Recording) -> Poses:
     Raises
     ------
     DataError
-        The recording has no poses with headings, or fewer than 20.
+        The recording has no poses, no headings and nothing to reckon them from, or fewer than 20 poses.
     """
     track = recording.pose
-    if track is None or not track.has_heading:
+    if track is None:
         raise DataError(
-            f"{recording.source or recording.robot.name}: no pose channel with a heading",
-            cure="Record x, y and theta, or use `fsm-calib identify` for positions alone.",
+            f"{recording.source or recording.robot.name}: no pose channel", cure="Record x, y and theta."
         )
+    headed = track.has_heading
+    track = track if headed else headed_by_wheels(recording, track)
     placed = bool(np.isfinite(track.x).any())
     track = track if placed else placed_by_wheels(recording, track)
     good = np.isfinite(track.x) & np.isfinite(track.y) & np.isfinite(track.theta)
@@ -106,7 +110,7 @@ def clean_poses(recording: Recording) -> Poses:
             f"{recording.source or recording.robot.name}: {len(time)} usable poses, {FEWEST_FRAMES} are needed",
             cure="Record a longer drive.",
         )
-    return Poses(time, x, y, theta, dropped, placed)
+    return Poses(time, x, y, theta, dropped, placed, headed)
 
 
 def placed_by_wheels(recording: Recording, track: PoseTrack) -> PoseTrack:
@@ -142,7 +146,7 @@ def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prep
         wheels = np.column_stack([np.interp(time, encoder_time, angles[:, i]) for i in range(2)])
     seen = np.zeros((len(time), 5), dtype=bool)
     seen[at_pose, :2] = poses.placed
-    seen[at_pose, 2] = True
+    seen[at_pose, 2] = poses.headed
     moving = _moving(track, picked, axle, settings)
     seen[at_encoder, 3:] = _fresh(wheels[at_encoder], moving[at_encoder])[:, None]
     moving = _coming_to_rest(time, moving)

@@ -1,0 +1,34 @@
+"""Wheel angles as the input of a drive, where neither commands nor rates were logged."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from fsm_calib.recording.channels import WheelPair
+from fsm_calib.recording.recording import Recording
+
+INPUT_STEP = 0.1  # s: differences over less are mostly the encoders' steps
+
+
+def with_input(recording: Recording) -> Recording:
+    """Return the recording with wheel rates made of its wheel angles where these are all that tells what drove it.
+
+    Angles become rates [rad/s], held until the next; ticks become rim speeds [m/s] where `metres_per_tick` is stated.
+    The angles are then the input and are no measurement besides.
+    """
+    pair, facts = recording.wheel_angle, recording.robot
+    logged = (recording.command, recording.twist, recording.wheel_rate, recording.wheel_speed)
+    if pair is None or any(track is not None for track in logged) or len(pair) < 3:
+        return recording
+    if pair.unit == "tick" and facts.metres_per_tick is None:
+        return recording
+    every = max(1, round(INPUT_STEP / float(np.median(np.diff(pair.time)))))
+    thin = pair.rows(slice(None, None, every))
+    step = np.diff(thin.time)
+    scale = 1.0 if pair.unit == "rad" else float(facts.metres_per_tick or 1.0)
+    left, right = (np.append(scale * np.diff(side) / step, 0.0) for side in (thin.left, thin.right))
+    if pair.unit == "tick":
+        return replace(recording, wheel_angle=None, wheel_speed=WheelPair(thin.time, left, right, "m/s"))
+    return replace(recording, wheel_angle=None, wheel_rate=WheelPair(thin.time, left, right, "rad/s"))
