@@ -34,7 +34,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "actions": (
         ("actions/stopping.py", "actions/moving.py", "actions/markers.py", "actions/turning.py", "actions/boards.py",
          "actions/looking.py", "actions/ratio.py", "actions/wheel_runs.py", "actions/focusing.py", "actions/leaving.py"),
-        ("test_action_estimates.py", "test_action_turning.py", "test_action_wheel_runs.py", "test_action_slips.py"),
+        ("test_action_slips.py", "test_action_turning.py", "test_action_estimates.py", "test_action_wheel_runs.py"),
     ),
     "machines": (("machines/books.py", "machines/bookkeeping.py", "machines/guards.py"), ("test_machine_transitions.py", "test_machine_guards.py")),
     "verdicts": (("diagnosis/verdict/decide.py", "diagnosis/verdict/posterior.py"), ("test_diagnosis_verdict.py",)),
