@@ -3,8 +3,8 @@
 Encoders are finer than any tracker: they see a wheel follow its tyre a few milliseconds late while the path is that of
 the base robot to within its noise. With a name such a finding can be modelled; without one it would only be alarm. So
 the encoders are left out, the base robot is fitted again, and what is left in the poses is asked the two questions
-that reveal a mismatch: does it depend on anything (`adequacy.py`), does a form without a name explain it
-(`contest.py`)? Assumes that whole poses are measured: where headings alone are, encoders are all that tells the way,
+that reveal a mismatch: does it depend on anything (`score_tests`), does a form without a name explain it
+(`form_test`)? Assumes that whole poses are measured: where headings alone are, encoders are all that tells the way,
 and recordings without encoders have been judged by their poses already.
 """
 

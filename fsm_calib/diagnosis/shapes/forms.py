@@ -1,7 +1,7 @@
 """Un-named corrections: what a speed error could depend on, in one physical quantity at a time, few numbers each.
 
 A named effect is a curve with one or two numbers. Whether it has the right shape is asked by letting shapes without a
-name compete with it (`contest.py`). What changes a wheel's speed is carried on by the roll-out (`response.py`); what
+name compete with it (`form_test`). What changes a wheel's speed is carried on by the roll-out (`wheel_response`); what
 acts on the body passes the base robot's lag, tau dv/dt = f - v, forward and turning each with its own time constant
 tau [s]; what the sensor adds (timing, mount) does not, and the wheels do not show it. Everything is a function of
 exogenous quantities (`situation.py`). The scales only keep the columns within a few orders of magnitude of each other.

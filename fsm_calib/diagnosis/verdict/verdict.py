@@ -69,7 +69,7 @@ class Rival:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """All that `diagnose` says; unnamed : evidence of forms without a name against the effects (`contest.py`)."""
+    """All that `diagnose` says; unnamed : evidence of forms without a name against the effects (`form_test.py`)."""
 
     verdict: VerdictName
     effects: tuple[NamedEffect, ...]
