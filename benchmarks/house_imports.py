@@ -59,6 +59,7 @@ MAY_KNOW: dict[str, set[str]] = {
 }
 """Which room may know which. `commands` may know all of these, `cli` all of these and `commands`."""
 MAY_KNOW["commands"] = set(MAY_KNOW)
+MAY_KNOW["api"] = set(MAY_KNOW)
 MAY_KNOW["cli"] = set(MAY_KNOW)
 TOP = "top"
 """The room of the files that lie beside the rooms of the diagnosis and put them together."""

@@ -63,15 +63,30 @@ class Commands(TyperGroup):
             typer.echo(f"fsm-calib: {error}", err=True)
             raise typer.Exit(error.exit_code) from error
 
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands, each with its whole first sentence."""
+        named = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
+        rows = [
+            (name, _first_sentence(found.help or "")) for name, found in named if found and not found.hidden
+        ]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
+def _first_sentence(text: str) -> str:
+    """Return the first paragraph of a help text as one line."""
+    return " ".join(text.strip().split("\n\n")[0].split())
+
 
 app = typer.Typer(
     name="fsm-calib",
     cls=Commands,
     help="Robots that calibrate themselves, and simulations that know what they are missing.",
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 

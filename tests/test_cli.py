@@ -221,3 +221,23 @@ def test_diagrams_are_written_and_checked(tmp_path: Path) -> None:
 
 def test_the_committed_diagrams_are_current() -> None:
     assert call("diagrams", "--check", "--out", ROOT / "diagrams").exit_code == 0
+
+
+def test_short_help_lists_every_command_in_whole_sentences(monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    told = CliRunner().invoke(app, ["-h"]).output
+    assert "..." not in told[told.index("Commands:") :]
+    assert max(len(line) for line in told.splitlines()) <= 80
+
+
+def test_one_effect_is_told_within_eighty_columns() -> None:
+    told = CliRunner().invoke(app, ["effects", "wheel_eccentricity"]).output
+    assert told.startswith("wheel_eccentricity (wheel):")
+    assert "floor_tilt" not in told
+    assert max(len(line) for line in told.splitlines()) <= 80
+
+
+def test_unknown_effect_is_answered_with_the_nearest() -> None:
+    done = CliRunner().invoke(app, ["effects", "wheel_eccentrisity"])
+    assert done.exit_code == 2
+    assert "wheel_eccentricity" in done.output

@@ -22,9 +22,14 @@ from fsm_calib.commands.given import (
 )
 from fsm_calib.commands.next_drive import area_of, write_plan
 from fsm_calib.commands.options import EffectsOption
+from fsm_calib.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from fsm_calib.diagnosis.diagnose import Diagnosis
+
+
+WIDTH = 80
+"""Characters of a line of text: what every terminal has."""
 
 
 def register(app: typer.Typer) -> None:
@@ -105,7 +110,7 @@ def diagnose_command(
 
 def _refuse_wrong_use(without: Iterable[str], files: Iterable[Path | None], report: Path | None) -> None:
     """Raise `InputError` for unknown effects and for output that cannot be written, before any work is done."""
-    from fsm_calib.errors import InputError, UnknownNameError
+    from fsm_calib.errors import InputError
     from fsm_calib.world2d.effects import registry
 
     for name in without:
@@ -186,20 +191,34 @@ def _degrees(value: float | None) -> str:
 
 
 def effects_command(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="NAME...", help="These alone.", show_default=False)
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
     effects: EffectsOption = None,
 ) -> None:
     """Print the catalogue of effects: equation, parameters, where each shows, what separates it from its rivals."""
     from fsm_calib.world2d.effects.catalogue import table
 
-    rows = table()
+    rows = [row for row in table() if not names or row["name"] in names]
+    for name in names or ():
+        if all(row["name"] != name for row in rows):
+            raise UnknownNameError("effect", name, [row["name"] for row in table()])
     if as_json:
         typer.echo(json.dumps(rows, indent=1, allow_nan=False))
         return
     for row in rows:
-        typer.echo(f"{row['name']} ({row['family']}): {row['summary']}")
-        typer.echo(f"    {row['equation']}")
-        for p in row["parameters"]:
-            low, high = p["bounds"]
-            typer.echo(f"    {p['name']} [{p['unit']}], nothing at {p['null']:g}, {low:g} to {high:g}")
-        typer.echo(f"    shows in {', '.join(row['channels'])}; {row['separates']}")
+        typer.echo("\n".join(effect_lines(row)))
+
+
+def effect_lines(row: dict[str, Any]) -> list[str]:
+    """Return an effect of the catalogue as lines of at most `WIDTH` characters."""
+    said = [row["equation"]]
+    for p in row["parameters"]:
+        low, high = p["bounds"]
+        said.append(f"{p['name']} [{p['unit']}], nothing at {p['null']:g}, {low:g} to {high:g}")
+    said.append(f"shows in {', '.join(row['channels'])}; {row['separates']}")
+    lines = textwrap.wrap(f"{row['name']} ({row['family']}): {row['summary']}", WIDTH, subsequent_indent="  ")
+    for text in said:
+        lines += textwrap.wrap(text, WIDTH, initial_indent="    ", subsequent_indent="      ")
+    return lines

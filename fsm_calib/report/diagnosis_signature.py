@@ -15,7 +15,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.diagnose import Diagnosis
 from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.proof.crossval import on_new_recording
+from fsm_calib.diagnosis.proof.transfer import on_new_recording
 from fsm_calib.diagnosis.replay.prepared import Prepared
 from fsm_calib.diagnosis.replay.situation import Situation, situation
 from fsm_calib.report.palette import AFTER, BEFORE, TEXT
