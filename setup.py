@@ -8,7 +8,7 @@ setup(
     packages=[*find_packages(include=["fsm_calib*"]), *SHIPPED],
     package_dir=SHIPPED,
     package_data={
-        "fsm_calib": ["py.typed"],
+        "fsm_calib": ["py.typed", "*.pyi"],
         "fsm_calib.report": ["*.j2", "*.css", "*.js"],
         "fsm_calib.watch": ["*.html", "*.css", "*.js"],
     }

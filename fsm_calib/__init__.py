@@ -2,18 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from fsm_calib.api import (
-        calibrate_camera,
-        diagnose,
-        identify,
-        investigate,
-        load_world,
-        read_recording,
-        run,
-    )
+import importlib
+from typing import Any
 
 __version__ = "0.1.0"
 __all__ = ["calibrate_camera", "diagnose", "identify", "investigate", "load_world", "read_recording", "run"]
@@ -22,9 +12,7 @@ __all__ = ["calibrate_camera", "diagnose", "identify", "investigate", "load_worl
 def __getattr__(name: str) -> Any:
     """Return a function of `fsm_calib.api`; its libraries are loaded when it is first asked for."""
     if name in __all__:
-        from fsm_calib import api
-
-        return getattr(api, name)
+        return getattr(importlib.import_module("fsm_calib.api"), name)
     raise AttributeError(f"module 'fsm_calib' has no attribute {name!r}")
 
 
