@@ -3,8 +3,9 @@
     python3 benchmarks/next_drive_watchtower.py RECORDINGS/duckiebot-watchtower [--draws 40]
 
 Its laps alone leave motor_deadband, tyre_scrub and caster_drag open. The next drive is designed from them; then each
-of the three is simulated on it as fitted to the laps, with the laps' estimated noise on speeds (Ornstein-Uhlenbeck) and poses; and the new drive alone is diagnosed. Right: the true name
-leads, and the next is a set's width (8 in evidence) or more behind.
+of the three is simulated on it as fitted to the laps, with the laps' estimated noise on speeds (Ornstein-Uhlenbeck)
+and poses; and laps and new drive are diagnosed together, by the three alone. Right: the true name leads, and the next
+is a set's width (8 in evidence) or more behind.
 """
 
 from __future__ import annotations
@@ -63,7 +64,8 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--draws", type=int, default=40)
     asked = parser.parse_args()
-    belief = belief_of(diagnose([read_recording(asked.folder / name) for name in LAPS]).decision)
+    laps = [read_recording(asked.folder / name) for name in LAPS]
+    belief = belief_of(diagnose(laps).decision)
     print("after the laps:", ", ".join(f"{h.label} {h.probability:.3f}" for h in belief.hypotheses))
     began = perf_counter()
     plan = design(belief, Area(), Pose2(), np.random.default_rng(0), played(40.0))
@@ -73,13 +75,13 @@ def main() -> None:
     print(f"sure before {plan.forecast.sureness_before:.2f}, promised after {plan.forecast.sureness:.2f}")
     others = [name for name in registry() if name not in RIVALS]
     total = 0
-    for name in RIVALS:
+    for name in reversed(RIVALS):
         truth = next(h for h in belief.hypotheses if h.names == (name,))
         right, gaps = 0, []
         for draw in range(asked.draws):
             rng = np.random.default_rng([RIVALS.index(name), draw])
             recording = driven(belief, truth.values, plan.holds, rng)
-            ranking = diagnose([recording], without=others).decision.ranking
+            ranking = diagnose([*laps, recording], without=others).decision.ranking
             behind = max((r.evidence for r in ranking if r.name != name), default=0.0)
             own = max((r.evidence for r in ranking if r.name == name), default=0.0)
             gaps.append(own - max(behind, 0.0))

@@ -25,7 +25,7 @@ DESIGN_STREAM = 13
 """Which random stream of the seed the designer draws from."""
 CONFIRMATIONS = 2  # judgements in a row with the same sure names: one drive may be unlucky
 SURE_NAME = 0.9  # confidence that the verdict itself must have in every name
-LEAST_SHARE = 0.05  # of the doubt: a drive that removes less is not worth driving
+LEAST_SHARE = 0.02  # of the doubt: a drive that removes less is not worth driving
 SHORTEST_TIME = 8.0  # s of budget: with less no drive is begun
 
 Designer = Callable[[Belief, Area, Pose2, np.random.Generator, Wishes], Plan | None]
