@@ -24,7 +24,7 @@ REDUNDANT = {"unequal_motors": ("gain_right",), "skid_steer": ("axle_length",)}
 held."""
 STEP = 2e-3
 """Of finite differences, in typical sizes."""
-RUGGED = {"gear_backlash.gap": 2e-2, "coulomb_friction.breakaway": 2e-2}
+RUGGED = {"gear_backlash.gap": 2e-2, "coulomb_friction.breakaway": 2e-2, "coulomb_friction.difference": 2e-2}
 """Wider ones: whether teeth touch within a step of the roll-out makes the likelihood rugged below 2 mrad."""
 START = (-0.1, -0.05, 0.4)
 

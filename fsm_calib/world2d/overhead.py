@@ -31,7 +31,7 @@ class TrackerSettings:
     position_noise, heading_noise : float
         Standard deviations of one pose [m, rad]; the defaults are those of a ceiling camera over a 2 m area.
     missed : float
-        Share of frames in which the tag is not found.
+        Share of frames in which the tag is not found [1].
     """
 
     rate: float = 15.0
