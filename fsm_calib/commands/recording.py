@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fsm_calib.commands.files import check_places, tell_result
+from fsm_calib.commands.files import check_places, tell_result, write_file
 from fsm_calib.commands.given import (
     CommandTopic,
     PoseTopic,
@@ -19,6 +20,10 @@ from fsm_calib.commands.given import (
 )
 from fsm_calib.commands.manifests import init_command
 from fsm_calib.commands.options import EffectsOption
+from fsm_calib.errors import shown
+
+if TYPE_CHECKING:
+    from fsm_calib.types import WheelCalibration
 
 
 def register(app: typer.Typer) -> None:
@@ -43,6 +48,10 @@ def identify_command(
             metavar="FILE", help="Fit under the physics that this scenario's robot has (world.yaml)."
         ),
     ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write Duckietown's kinematics file: gain, trim, baseline, k."),
+    ] = None,
     tag_map: TagMapFile = None,
     effects: EffectsOption = None,
     command: CommandTopic = None,
@@ -52,8 +61,9 @@ def identify_command(
 ) -> None:
     """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
     from fsm_calib.diagnosis.identify.identify import identify
+    from fsm_calib.diagnosis.identify.straight import straight_sentence, wheel_calibration
 
-    check_places(json_file)
+    check_places(json_file, out)
     loaded, _ = recordings_given(recordings, tag_map=tag_map, named=named_by(command, pose, wheels, urdf))
     if world is None:
         result = identify(loaded)
@@ -63,7 +73,19 @@ def identify_command(
 
         result = identify_in_world(loaded, physics_of(world))
     plain = result.to_json()
-    tell_result(plain, "\n".join(_lines(plain)), json_file)
+    calibration = None if out is None else wheel_calibration(result, loaded)
+    said = [f"{plain['robot']} {sentence}"] if (sentence := straight_sentence(result, loaded)) else []
+    tell_result(plain, "\n".join([*_lines(plain), *said]), json_file)
+    if out is not None and calibration is not None:
+        _write_kinematics(out, calibration, recordings)
+
+
+def _write_kinematics(out: Path, wheels: WheelCalibration, recordings: list[str]) -> None:
+    """Write Duckietown's kinematics file."""
+    from fsm_calib.calibration_files import kinematics_text
+
+    provenance = shown(f"fsm-calib identify {' '.join(Path(path).name for path in recordings)}")
+    write_file(out, kinematics_text(wheels, datetime.now(), provenance))
 
 
 def _lines(plain: dict) -> list[str]:  # type: ignore[type-arg]
