@@ -64,6 +64,12 @@ def diagnose_command(
     report: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Write report.html and world.yaml to this folder.")
     ] = None,
+    export: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Write what was found for other programs: Python, ros2, Gazebo, MuJoCo."
+        ),
+    ] = None,
     plan: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Design the next drive, and write it to this folder to be played."),
@@ -88,7 +94,7 @@ def diagnose_command(
     from fsm_calib.scenario.world import physics_of
     from fsm_calib.world2d.effects import registry
 
-    _refuse_wrong_use(without or (), (json_file, world), report)
+    _refuse_wrong_use(without or (), (json_file, world), (report, export))
     floor = area_of(area)
     given = world if world is not None and world.exists() else None
     physics = physics_of(given) if given is not None else None
@@ -104,11 +110,14 @@ def diagnose_command(
     plain = result.verdict.as_json()
     tell_result(plain, "\n".join(summary_lines(plain)), json_file)
     _write_world(result, None if given is not None else world, report)
+    _write_export(result, export)
     if plan is not None:
         write_plan(result, floor, longest, plan, seed)
 
 
-def _refuse_wrong_use(without: Iterable[str], files: Iterable[Path | None], report: Path | None) -> None:
+def _refuse_wrong_use(
+    without: Iterable[str], files: Iterable[Path | None], folders: Iterable[Path | None]
+) -> None:
     """Raise `InputError` for unknown effects and for output that cannot be written, before any work is done."""
     from fsm_calib.errors import InputError
     from fsm_calib.world2d.effects import registry
@@ -117,8 +126,9 @@ def _refuse_wrong_use(without: Iterable[str], files: Iterable[Path | None], repo
         if name not in registry():
             raise UnknownNameError("effect", name, registry(), where="--without")
     check_places(*files)
-    if report is not None and report.exists() and not report.is_dir():
-        raise InputError("the report needs a folder, this is a file", where=str(report))
+    for folder in folders:
+        if folder is not None and folder.exists() and not folder.is_dir():
+            raise InputError("a folder is needed, this is a file", where=str(folder))
 
 
 def _write_world(result: Diagnosis, world: Path | None, report: Path | None) -> None:
@@ -136,6 +146,18 @@ def _write_world(result: Diagnosis, world: Path | None, report: Path | None) -> 
         report.mkdir(parents=True, exist_ok=True)
         write_file(report / "world.yaml", text)
         typer.echo(f"report: {write_report(result, report)}")
+
+
+def _write_export(result: Diagnosis, folder: Path | None) -> None:
+    """Write what was found for other programs into a folder; None for nowhere."""
+    if folder is None:
+        return
+    from fsm_calib.report.export import exported
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in exported(result).items():
+        write_file(folder / name, text)
+    typer.echo(f"for other programs: {folder / 'README.md'}")
 
 
 def summary_lines(plain: dict[str, Any]) -> list[str]:
