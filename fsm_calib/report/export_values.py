@@ -19,9 +19,9 @@ class ExportValues:
     """A robot as it was stated and as its recordings show it.
 
     Left and right in pairs. radius, axle [m] : as stated; full_speed [m/s] : stated rim speed at command 1; gains
-    [m/s] : fitted rim speed at command 1; rolling_radii [m] : that the wheels turn into path; fitted_axle [m];
-    mass [kg] : that the fit took for the robot's; effects : all values of each effect that the fit has, events of one recording left out; named : the effects that
-    the verdict names; assumed : which sizes nobody stated.
+    [m/s] : fitted rim speed at command 1; rolling_radii [m] : that the wheels turn into path; fitted_axle [m]; mass
+    [kg] : that the fit took for the robot's; effects : all values of each effect that the fit has, events of one
+    recording left out; named : the effects that the verdict names; assumed : which sizes nobody stated.
     """
 
     robot: str
