@@ -53,6 +53,7 @@ MAY_KNOW: dict[str, set[str]] = {
     "calibration_files": GROUND | {"journal", "scenario"},
     "runner": BELOW_RUNNER,
     "study": BELOW_RUNNER | {"runner"},
+    "fleet": GROUND | {"diagnosis", "journal", "recording", "study"},
     "report": BELOW_RUNNER | {"runner", "study"},
     "progress": GROUND | {"outcome", "runner", "study"},
     "watch": GROUND | {"journal", "report", "scenario", "shipped", "world2d"},

@@ -34,6 +34,7 @@ COMMAND_MODULES: tuple[str, ...] = (
     "diagnosis",
     "investigate",
     "study",
+    "fleet",
     "begin",
     "targets",
     "watch",
