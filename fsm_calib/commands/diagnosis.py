@@ -25,11 +25,14 @@ from fsm_calib.commands.options import EffectsOption
 from fsm_calib.errors import UnknownNameError
 
 if TYPE_CHECKING:
+    from fsm_calib.diagnosis.against import Against
     from fsm_calib.diagnosis.diagnose import Diagnosis
 
 
 WIDTH = 80
 """Characters of a line of text: what every terminal has."""
+
+CLEAR = 3.0  # standard deviations from which a difference is printed
 
 
 def register(app: typer.Typer) -> None:
@@ -44,6 +47,10 @@ def diagnose_command(
     ],
     holdout: Annotated[
         list[str] | None, typer.Option(metavar="RECORDING", help="Judge the result on this one; repeatable.")
+    ] = None,
+    against: Annotated[
+        list[str] | None,
+        typer.Option(metavar="RECORDING", help="What your simulator drove: say what it lacks; repeatable."),
     ] = None,
     without: Annotated[
         list[str] | None,
@@ -89,7 +96,9 @@ def diagnose_command(
     urdf: RobotFile = None,
 ) -> None:
     """Compare recordings with the simulation: locate the mismatch, name the physics, show the fit improve."""
+    from fsm_calib.diagnosis.against import diagnose_against
     from fsm_calib.diagnosis.diagnose import diagnose
+    from fsm_calib.errors import InputError
     from fsm_calib.progress.diagnosis import DiagnosisProgress
     from fsm_calib.scenario.world import physics_of
     from fsm_calib.world2d.effects import registry
@@ -98,16 +107,26 @@ def diagnose_command(
     floor = area_of(area)
     given = world if world is not None and world.exists() else None
     physics = physics_of(given) if given is not None else None
-    train, new = recordings_given(
-        recordings, holdout or (), tag_map=tag_map, named=named_by(command, pose, wheels, urdf)
-    )
-    with DiagnosisProgress(len(registry())) as bar:
-        result = diagnose(train, new, without=without or (), world=physics, progress=bar.part, seed=seed)
+    if given is not None and against:
+        raise InputError("a world and a simulator at once", where="--against", cure="Give one of the two.")
+    named = named_by(command, pose, wheels, urdf)
+    train, new = recordings_given(recordings, holdout or (), tag_map=tag_map, named=named)
+    beside: Against | None = None
+    if against:
+        simulated, _ = recordings_given(against, tag_map=tag_map, named=named)
+        with DiagnosisProgress(2 * len(registry())) as bar:
+            beside = diagnose_against(
+                train, simulated, new, without=without or (), progress=bar.part, seed=seed
+            )
+        result = beside.real
+    else:
+        with DiagnosisProgress(len(registry())) as bar:
+            result = diagnose(train, new, without=without or (), world=physics, progress=bar.part, seed=seed)
     for note in result.notes:
         typer.echo(note, err=True)
     if given is not None:
         typer.echo(f"compared with the robot of {given}", err=True)
-    plain = result.verdict.as_json()
+    plain = result.verdict.as_json() if beside is None else beside.as_json()
     tell_result(plain, "\n".join(summary_lines(plain)), json_file)
     _write_world(result, None if given is not None else world, report)
     _write_export(result, export)
@@ -169,6 +188,8 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
         lines.append(f"  {either} (confidence {effect['confidence']:.2f}): {effect['sentence']}")
     for group in plain["ambiguous"]:
         lines.append(f"  cannot be told apart: {', '.join(group)}; the numbers are of the first")
+    if "against" in plain:
+        lines += _beside_simulator(plain["against"])
     located = plain["located"]
     if plain["verdict"] != "match":
         channels, regime = ", ".join(located["channels"]) or "-", located["regime"] or "-"
@@ -188,6 +209,20 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
     lines.append(f"  next: {plain['next_manoeuvre']}")
     parts = ", ".join(f"{name} {seconds:.1f}" for name, seconds in plain["seconds_by_part"].items())
     return [*lines, f"  {plain['seconds']:.1f} s ({parts})"]
+
+
+def _beside_simulator(told: dict[str, Any]) -> list[str]:
+    """Return what the real robot has that the simulator lacks or has otherwise; numbers from three deviations on."""
+    lines = [f"  the simulator's own: {told['verdict']}; {', '.join(told['effects']) or 'no effects'}"]
+    lines += [f"  the simulator lacks: {', '.join(told['lacks'])}"] if told["lacks"] else []
+    lines += [f"  it has otherwise: {', '.join(told['otherwise'])}"] if told["otherwise"] else []
+    lines += [f"  alike in both: {', '.join(told['alike'])}"] if told["alike"] else []
+    for d in told["differences"]:
+        if d["z"] is not None and abs(d["z"]) >= CLEAR:
+            unit = "" if d["unit"] == "1" else f" {d['unit']}"
+            size = f"{d['difference']:+.3g} ± {d['sd']:.1g}{unit}"
+            lines.append(f"  {d['name']}: real {d['real']:.4g}, simulated {d['simulated']:.4g}, {size}")
+    return lines
 
 
 def _around(where: dict[str, float] | None) -> str:
