@@ -109,6 +109,6 @@ def test_robots_are_told_apart_by_where_their_recordings_lie(tmp_path):
 
 
 def test_robot_with_missing_physics_comes_before_one_that_pulls_more():
-    fading = {"robot": "a", "straight": {"sideways_m": 0.01}, "diagnosis": {"verdict": "explained"}}
-    pulling = {"robot": "b", "straight": {"sideways_m": 0.1}, "diagnosis": {"verdict": "match"}}
+    fading = {"robot": "a", "straight": {"turned_rad": 0.01}, "diagnosis": {"verdict": "explained"}}
+    pulling = {"robot": "b", "straight": {"turned_rad": 0.1}, "diagnosis": {"verdict": "match"}}
     assert sorted([pulling, fading], key=worst_first) == [fading, pulling]

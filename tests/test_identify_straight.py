@@ -71,6 +71,12 @@ def test_pull_is_where_the_arc_ends():
     assert pull_of(found(wheel_ratio=0.99, axle_length=0.1)).side == "left"
 
 
+def test_tight_arcs_that_lead_back_turn_more_than_wide_ones():
+    tight, wide = (pull_of(found(wheel_ratio=k, axle_length=0.1)) for k in (1.6, 1.25))
+    assert abs(tight.sideways) < abs(wide.sideways)
+    assert abs(tight.turned) > abs(wide.turned)
+
+
 def test_pull_within_its_deviation_has_no_side():
     pull = pull_of(found(wheel_ratio=1.0005, axle_length=0.1))
     assert pull.side == ""

@@ -73,7 +73,10 @@ def identified(recordings: list[Recording]) -> dict[str, Any]:
         wheels = wheel_calibration(found, recordings)
     except DataError:
         wheels = None
-    straight = None if pull is None else {"sideways_m": pull.sideways, "sd_m": pull.sd, "side": pull.side}
+    straight = None
+    if pull is not None:
+        arc = {"sideways_m": pull.sideways, "sd_m": pull.sd, "turned_rad": pull.turned}
+        straight = {**arc, "side": pull.side}
     trim = None if wheels is None else {"gain": wheels.gain, "trim": wheels.trim}
     return {
         "straight": straight,

@@ -103,10 +103,10 @@ def kept_row(path: Path, diagnosed: bool, stamp: list[list[str | int]]) -> Row |
 
 
 def worst_first(row: Row) -> tuple[bool, bool, bool, float, str]:
-    """Return what sorts rows: robots with more than the base can explain, then those that pull most; then those
+    """Return what sorts rows: robots with more than the base can explain, then those that turn most; then those
     whose pull is not told, errors at the end.
     """
     straight = row.get("straight")
     departs = (row.get("diagnosis") or {}).get("verdict") in ("explained", "unexplained")
-    size = 0.0 if straight is None else abs(straight["sideways_m"])
+    size = 0.0 if straight is None else abs(straight["turned_rad"])
     return "error" in row, not departs, straight is None, -size, row["robot"]

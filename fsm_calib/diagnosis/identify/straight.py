@@ -22,10 +22,13 @@ NEEDS = (
 
 @dataclass(frozen=True, slots=True)
 class Pull:
-    """Where a robot ends after `PATH` of both wheels at one command: `sideways` [m], left positive, and its `sd`."""
+    """Where a robot ends after `PATH` of both wheels at one command: `sideways` [m], left positive, and its `sd`;
+    `turned` [rad], which goes on growing where a tight arc leads back to the line.
+    """
 
     sideways: float
     sd: float | None
+    turned: float = 0.0
 
     @property
     def side(self) -> str:
@@ -55,16 +58,21 @@ def pull_of(found: Identification, recordings: Sequence[Recording] = ()) -> Pull
     if estimate is None or estimate.value is None or estimate.value <= 0.0:
         return None
     axle, ratio = _axle(found, recordings), estimate.value
+    turned, sideways = _turned(ratio, axle), _sideways(ratio, axle)
     if estimate.sd is None or not math.isfinite(estimate.sd):
-        return Pull(_sideways(ratio, axle), None)
+        return Pull(sideways, None, turned)
     low, high = max(ratio - estimate.sd, 1e-6), ratio + estimate.sd
-    return Pull(_sideways(ratio, axle), abs(_sideways(high, axle) - _sideways(low, axle)) / 2.0)
+    farthest = max(abs(_sideways(k, axle) - sideways) for k in (low, high))
+    return Pull(sideways, farthest, turned)
 
 
 def _sideways(ratio: float, axle: float) -> float:
-    curvature = 2.0 * (1.0 - ratio) / (axle * (1.0 + ratio))
-    angle = curvature * PATH
-    return PATH * angle / 2.0 if abs(angle) < 1e-6 else (1.0 - math.cos(angle)) / curvature
+    angle = _turned(ratio, axle)
+    return PATH * (angle / 2.0 if abs(angle) < 1e-6 else (1.0 - math.cos(angle)) / angle)
+
+
+def _turned(ratio: float, axle: float) -> float:
+    return PATH * 2.0 * (1.0 - ratio) / (axle * (1.0 + ratio))
 
 
 def _axle(found: Identification, recordings: Sequence[Recording]) -> float:
