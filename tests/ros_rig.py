@@ -16,7 +16,7 @@ from fsm_calib.errors import LinkLost
 from fsm_calib.robots.ros1.calls import Caller
 from fsm_calib.robots.ros1.master import Master
 
-DEADLINE = 20.0
+DEADLINE = 60.0
 """Longest wait for something that must happen [s]."""
 NO_ROS = "Debian's ros-core is not installed (apt-get install ros-core python3-rosbag python3-sensor-msgs)"
 
