@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import START, recording, robot
 
+from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.proof.in_poses import shown_in_poses, without_encoders
 from fsm_calib.diagnosis.replay.prepared import prepare
@@ -61,6 +62,16 @@ def test_headings_without_positions_cannot_be_asked_alone(late_encoder):
         for s in late_encoder
     ]
     assert shown_in_poses(unplaced, DEFAULT_GATES)
+
+
+def test_headings_alone_show_no_place_and_nothing_that_only_drives_forward(late_encoder):
+    unplaced = [
+        replace(s, prepared=replace(s.prepared, poses=replace(s.prepared.poses, placed=False)))
+        for s in late_encoder
+    ]
+    every, shown = ({e.name for e in shown_by(catalogue(), s)} for s in (late_encoder, unplaced))
+    assert {"tyre_scrub", "wheel_eccentricity", "observation_delay"} <= shown
+    assert {"carpet_nap", "lateral_slip", "rough_floor_patch", "misplaced_marker"} <= every - shown
 
 
 def test_a_replay_without_encoders_keeps_its_poses(late_encoder):

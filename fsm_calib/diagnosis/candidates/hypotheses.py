@@ -72,7 +72,10 @@ def catalogue(without: Iterable[str] = (), base_lacks: Iterable[str] = ()) -> li
 
 
 def shown_by(effects: Iterable[Effect], simulators: Sequence[Simulator]) -> list[Effect]:
-    """Return the effects that these recordings' kind of input can show: commands, twists, wheels."""
+    """Return the effects that these recordings can show, by their kind of input (commands, twists, wheels) and poses.
+
+    Headings without positions show what turns the robot, and no place on the floor.
+    """
     allowed, twists = {"any"}, all(_by_twists(s) for s in simulators)
     if not any(s.measured_input for s in simulators):
         allowed.add("command")
@@ -80,7 +83,12 @@ def shown_by(effects: Iterable[Effect], simulators: Sequence[Simulator]) -> list
         allowed.add("twist")
     if twists or all(s.measured_input or s.prepared.has_encoders for s in simulators):
         allowed.add("wheels")
-    return [e for e in effects if e.input in allowed]
+    placed = any(s.prepared.poses.placed for s in simulators)
+    return [
+        e
+        for e in effects
+        if e.input in allowed and (placed or ("turn" in e.channels and e.where == "anywhere"))
+    ]
 
 
 def _by_twists(simulator: Simulator) -> bool:
