@@ -7,11 +7,11 @@ from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColum
 
 from fsm_calib.progress.bar import TerminalBar
 
-OTHER_PARTS = 4  # base robot, location, what is left, proof
+OTHER_PARTS = 5  # base robot, what is left, how sure, place and moment, proof
 
 
 class DiagnosisProgress(TerminalBar):
-    """Shows which part is worked on.
+    """Shows which part is worked on; each further round over the catalogue makes the whole longer.
 
     Parameters
     ----------
@@ -24,9 +24,22 @@ class DiagnosisProgress(TerminalBar):
     def __init__(self, effects: int, console: Console | None = None) -> None:
         columns = (SpinnerColumn(), BarColumn(bar_width=28), TimeElapsedColumn())
         super().__init__(*columns, TextColumn("{task.description}"), console=console)
-        self._task = self._progress.add_task("reading", total=effects + OTHER_PARTS)
+        self._effects, self._seen = effects, set[str]()
+        self._task = self._progress.add_task(
+            "reading (a first run compiles, too)", total=effects + OTHER_PARTS + 1
+        )
+
+    @property
+    def share(self) -> float:
+        """How much of what is known to be done has been done [1]."""
+        task = self._progress.tasks[self._task]
+        return float(task.completed / (task.total or 1.0))
 
     def part(self, name: str) -> None:
-        """Say which part begins."""
-        if self._console.is_terminal:
-            self._progress.update(self._task, advance=1, description=name)
+        """Say which part begins; a name that comes again begins another round."""
+        if name in self._seen:
+            self._seen.clear()
+            total = (self._progress.tasks[self._task].total or 0.0) + self._effects
+            self._progress.update(self._task, total=total)
+        self._seen.add(name)
+        self._progress.update(self._task, advance=1, description=name)

@@ -124,6 +124,7 @@ class Judge:
             reason = "detected, adequate and useful"
         else:
             reason = f"{', '.join(b.name for b in named)} for a part of it; {_complaint(model)}"
+        self.progress("place and moment")
         with self.part("place and moment"):
             fit = placed(self.engine, model.fit, model.effects, self.rng)
             model = replace(model, fit=dated(self.engine, fit, model.effects))
@@ -136,6 +137,7 @@ class Judge:
         with self.part("left over"):
             groups = feature_groups(situations_of(self.engine.simulators, fit.values))
             tests = tuple(left_over(self.engine, fit, groups))
+        self.progress("how sure")
         with self.part("support"):
             supports = supports_of(self.engine, selection)
         left = adequacy(tests, max(s.added.evidence for s in supports))
