@@ -147,7 +147,7 @@ def _refuse_wrong_use(
     check_places(*files)
     for folder in folders:
         if folder is not None and folder.exists() and not folder.is_dir():
-            raise InputError("a folder is needed, this is a file", where=str(folder))
+            raise InputError("this needs a folder, it is a file", where=str(folder))
 
 
 def _write_world(result: Diagnosis, world: Path | None, report: Path | None) -> None:
