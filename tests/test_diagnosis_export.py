@@ -155,4 +155,4 @@ def test_a_file_in_the_folders_place_is_refused_before_any_work(tmp_path):
     (tmp_path / "out").write_text("mine")
     answer = CliRunner().invoke(app, ["diagnose", "nowhere.yaml", "--export", str(tmp_path / "out")])
     assert answer.exit_code == 2
-    assert "a folder is needed" in answer.output
+    assert "needs a folder" in answer.output
