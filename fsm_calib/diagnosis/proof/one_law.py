@@ -42,11 +42,13 @@ def one_law(engine: Engine, parent: Fit, fit: Fit, effect: str) -> OneLaw:
     learnt = [s for s in fit.slots if _is_learnt(s, effect)]
     if len(runs) < 2 or not learnt:
         return OneLaw(np.nan, ())
-    kept = [_gain(engine, parent, fit, learnt, run, fit.values[run : run + 1]) for run in runs]
+    bare = [_score(engine, parent, fit, run, parent.values[run : run + 1]) for run in runs]
+    kept = [_score(engine, parent, fit, run, fit.values[run : run + 1]) - bare[run] for run in runs]
     total = sum(kept)
     if total <= 0.0 or total - max(kept) < LEAST_SHARE * total:
         return OneLaw(np.nan, tuple(kept))
-    moved = [_gain(engine, parent, fit, learnt, run, _from_others(engine, fit, learnt, run)) for run in runs]
+    others = (_from_others(engine, fit, learnt, run) for run in runs)
+    moved = [_score(engine, parent, fit, run, v) - bare[run] for run, v in zip(runs, others, strict=True)]
     return OneLaw(1.0 - sum(moved) / total, tuple(moved))
 
 
@@ -69,15 +71,10 @@ def _from_others(engine: Engine, fit: Fit, learnt: Sequence[Slot], run: int) -> 
     return values
 
 
-def _gain(
-    engine: Engine, parent: Fit, fit: Fit, learnt: Sequence[Slot], run: int, values: FloatArray
-) -> float:
-    """Return the log density that the effect as it stands in `values` wins in one recording, the rest re-fitted."""
-    alone = Engine((engine.simulators[run],))
+def _score(engine: Engine, parent: Fit, fit: Fit, run: int, values: FloatArray) -> float:
+    """Return the log density of one recording from `values` (1, p), what `parent` frees re-fitted on it alone."""
     rest = _renumbered(parent.slots, [run])
-    with_effect = alone.fit(values, rest, fit.noise, steps=STEPS)
-    without = alone.fit(parent.values[run : run + 1], rest, fit.noise, steps=STEPS)
-    return with_effect.score - without.score
+    return Engine((engine.simulators[run],)).fit(values, rest, fit.noise, steps=STEPS).score
 
 
 def _renumbered(slots: Sequence[Slot], runs: Sequence[int]) -> list[Slot]:
