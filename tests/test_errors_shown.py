@@ -1,11 +1,13 @@
 """What a user reads when something is wrong: a line or two that a terminal only shows; never a traceback."""
 
 import errno
+import resource
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from recording_samples import every_channel
@@ -139,6 +141,16 @@ def test_image_larger_than_any_camera_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"bomb\.png"):
         read_photo(path)
     assert decode_image(bomb()) is None
+
+
+def test_png_chunk_that_claims_four_gigabytes_is_refused_before_they_are_reserved() -> None:
+    picture = bytearray(cv2.imencode(".png", np.zeros((40, 60), np.uint8))[1].tobytes())
+    assert decode_image(bytes(picture)) is not None
+    chunk = bytes(picture).index(b"IDAT") - 4
+    picture[chunk : chunk + 4] = b"\xff" * 4
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    assert decode_image(bytes(picture)) is None
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # KiB
 
 
 def drive(**changes: object) -> Recording:

@@ -107,3 +107,17 @@ def test_gap_is_told():
 )
 def test_real_robots_are_read_without_refusal(name):
     assert read_recording(shared(f"{name}.recording.yaml")).channels
+
+
+def test_one_stamp_of_another_clock_costs_its_own_row_only():
+    t = circle().time.copy()
+    t[100] = 1e6
+    recording = looked_at(pose=circle(time=t))
+    assert (len(recording.pose), recording.checks[0].rows) == (199, 1)
+
+
+def test_hole_longer_than_any_drive_is_refused_with_its_row():
+    t = circle().time.copy()
+    t[-1] = 1e6
+    with pytest.raises(InputError, match=r"row 199: .*no row for 1e\+06 s"):
+        looked_at(pose=circle(time=t))

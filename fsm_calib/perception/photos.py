@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.perception.calibration import DroppedView
 from fsm_calib.perception.chessboard import DEFAULT_DETECTOR, DetectorSettings, board_size_in, inspect_board
+from fsm_calib.perception.encoded import decoded
 from fsm_calib.perception.grid_boards import Finder
 from fsm_calib.perception.photo_sources import Shot, is_another_view, is_video, read_frame, video_shots
 from fsm_calib.types import BoardSpec, BoardView
@@ -52,20 +53,16 @@ def read_photo(path: Path, *, colour: bool = False) -> NDArray[np.uint8]:
         The file cannot be read or is no image.
     """
     try:
-        data = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+        data = path.read_bytes()
     except OSError as error:
         raise InputError(
             f"cannot be read: {error.strerror}", where=str(path), cure="Check the path."
         ) from error
     flags = (cv2.IMREAD_COLOR if colour else cv2.IMREAD_GRAYSCALE) | cv2.IMREAD_IGNORE_ORIENTATION
-    try:
-        image = cv2.imdecode(data, flags) if data.size else None
-    except cv2.error as error:
-        problem = f"is no image that can be unpacked ({error.err})"
-        raise InputError(problem, where=str(path), cure="Expected a JPEG or PNG photo.") from error
+    image = decoded(data, flags)
     if image is None:
         raise InputError("is not an image", where=str(path), cure="Expected a JPEG or PNG photo.")
-    return np.asarray(image, dtype=np.uint8)
+    return image
 
 
 def find_in_photos(

@@ -7,6 +7,7 @@ stays as it was recorded and is told as a `Finding`.
 from __future__ import annotations
 
 import dataclasses
+from bisect import bisect_right
 from collections.abc import Collection, Mapping
 from typing import Any, Protocol
 
@@ -25,6 +26,7 @@ LARGEST_NUMBER = (
 )
 LARGEST_COMMAND = 2.0  # a logger may note what is clipped later, but not twice the largest command
 REFUSED = ("mirrored", "heading", "impossible")  # kinds of findings after which nothing can be trusted
+LONGEST_HOLE = 3_600.0  # s between two rows of one drive
 MOST_BACKWARDS = 0.02  # share of rows with time going backwards above which the column is no clock
 
 
@@ -104,6 +106,7 @@ def _increasing(name: str, channel: Channel, source: Rows) -> tuple[Channel, lis
     """Keep the rows whose time increases."""
     step = np.diff(channel.time)
     if (step > 0).all():
+        _refuse_hole(name, channel, source, np.arange(len(channel)))
         return channel, []
     back = np.flatnonzero(step < 0) + 1
     if len(back) > MOST_BACKWARDS * len(channel):
@@ -115,14 +118,49 @@ def _increasing(name: str, channel: Channel, source: Rows) -> tuple[Channel, lis
     findings = []
     keep = np.ones(len(channel), dtype=bool)
     if len(back):
-        latest = np.maximum.accumulate(channel.time)
-        keep = channel.time >= latest
+        keep = _longest_increasing(channel.time)
         findings.append(_dropped(name, "time_backwards", "time goes backwards", channel, ~keep))
     channel = channel.rows(keep)
+    _refuse_hole(name, channel, source, np.flatnonzero(keep))
     if (np.diff(channel.time) > 0).all():
         return channel, findings
     channel, finding = _later_of_two(name, channel) if name in HELD else _spread(name, channel)
     return channel, [*findings, finding]
+
+
+def _longest_increasing(time: np.ndarray) -> np.ndarray:
+    """Return which rows form the longest sequence of stamps [s] that never decreases: the fewest rows are dropped.
+
+    One stamp of another clock costs its own row, not all that follow it. Patience sorting: `smallest[k]` is the row
+    with the least stamp that ends a sequence of k + 1 rows, `before` the row that precedes each in its sequence.
+    Source: Fredman, "On computing the length of longest increasing subsequences", Discrete Mathematics 11, 1975.
+    """
+    stamps: list[float] = []
+    smallest: list[int] = []
+    before = np.full(len(time), -1)
+    for row, stamp in enumerate(time.tolist()):
+        place = bisect_right(stamps, stamp)
+        if place:
+            before[row] = smallest[place - 1]
+        stamps[place : place + 1], smallest[place : place + 1] = [stamp], [row]
+    keep = np.zeros(len(time), dtype=bool)
+    row = smallest[-1] if smallest else -1
+    while row >= 0:
+        keep[row], row = True, int(before[row])
+    return keep
+
+
+def _refuse_hole(name: str, channel: Channel, source: Rows, rows: np.ndarray) -> None:
+    """Raise InputError for neighbouring stamps further apart than in any drive: simulating them never ends."""
+    step = np.diff(channel.time)
+    if not len(step) or float(step.max()) <= LONGEST_HOLE:
+        return
+    row = int(np.argmax(step)) + 1
+    raise InputError(
+        f"channel {name} has no row for {float(step[row - 1]):.4g} s: this is no single drive, or one stamp is wrong",
+        where=source.where(int(rows[row])),
+        cure="Remove the row, or save each drive as a recording of its own.",
+    )
 
 
 def _later_of_two(name: str, channel: Channel) -> tuple[Channel, Finding]:
