@@ -1,5 +1,7 @@
 """The designer of drives: what it promises, what it picks, and the bounds that it keeps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis_robots import recording, robot
@@ -7,7 +9,7 @@ from diagnosis_robots import recording, robot
 from fsm_calib.diagnosis.design.area import Area, Disc
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
-from fsm_calib.diagnosis.design.designer import Wishes, design, random_drive
+from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design, random_drive
 from fsm_calib.diagnosis.design.foresight import Foresight
 from fsm_calib.diagnosis.design.separation import (
     Columns,
@@ -104,11 +106,11 @@ def test_drive_is_expected_to_settle_rivals_that_driving_can_tell_apart():
 
 def test_two_delays_without_encoders_are_not_worth_a_drive():
     both = belief(hypothesis(0.5, command_delay__delay=0.08), hypothesis(0.5, observation_delay__delay=0.08))
-    assert planned(both) is None
+    assert planned(both) is NoDrive.NOTHING_TOLD
 
 
 def test_one_explanation_needs_no_drive():
-    assert planned(belief(hypothesis(1.0))) is None
+    assert planned(belief(hypothesis(1.0))) is NoDrive.NOTHING_TOLD
 
 
 def test_every_explanation_stays_in_the_area_and_off_the_obstacle():
@@ -121,7 +123,30 @@ def test_every_explanation_stays_in_the_area_and_off_the_obstacle():
 
 def test_area_too_small_for_any_manoeuvre_gives_only_turns_on_the_spot():
     plan = planned(RIVALS, Area(-0.25, 0.25, -0.25, 0.25, margin=0.2))
-    assert plan is None or max(plan.room) < 0.1
+    assert isinstance(plan, NoDrive) or max(plan.room) < 0.1
+
+
+SLOPPY = belief(
+    hypothesis(0.5, motor_deadband__offset=0.04),
+    replace(hypothesis(0.5), covariance=np.diag((4.0 * BASE_SPREAD) ** 2)),
+)
+"""What a robot of which little is known may do: its gains are uncertain by a fifth."""
+
+
+def test_manoeuvre_that_might_leave_the_area_gives_way_to_another_one():
+    for seed in range(4):
+        plan = planned(SLOPPY, Area(-0.5, 0.5, -0.5, 0.5, margin=0.2), seed=seed, careful=12)
+        assert plan.seconds > 2.0
+
+
+def test_area_without_a_drive_says_that_there_is_no_room():
+    assert planned(RIVALS, Area(-0.2, 0.2, -0.2, 0.2, margin=0.25)) is NoDrive.NO_ROOM
+
+
+def test_random_drive_keeps_within_the_bounds_of_every_draw():
+    area = Area(-0.5, 0.5, -0.5, 0.5, margin=0.2)
+    plans = [random_drive(SLOPPY, area, Pose2(), np.random.default_rng(seed)) for seed in range(4)]
+    assert all(plan.seconds > 2.0 for plan in plans)
 
 
 def test_drive_keeps_to_its_longest_time_and_largest_command():

@@ -5,6 +5,8 @@ import shutil
 
 import pytest
 
+from fsm_calib.commands.run_place import run_directory
+from fsm_calib.errors import InputError
 from fsm_calib.runner.investigation import run as runs
 from fsm_calib.runner.investigation.run import area_of, investigate
 from fsm_calib.runner.loop import step
@@ -89,6 +91,13 @@ def test_walls_and_boards_of_the_drawing_are_obstacles():
     )
     area = area_of(drawn.investigate.build(), scene_of(drawn))
     assert area.clearance(0.48, 0.0) < 0.0 < area.clearance(0.0, 0.0)
+
+
+def test_directory_of_an_investigation_is_not_written_over(tmp_path):
+    (tmp_path / "drives").mkdir()
+    with pytest.raises(InputError, match="earlier run"):
+        run_directory(tmp_path, None, overwrite=False)
+    assert run_directory(tmp_path, None, overwrite=True) == tmp_path
 
 
 def test_earlier_drives_are_replaced(finished, tmp_path):

@@ -111,3 +111,12 @@ def test_findings_survive_a_checkpoint():
     bench.findings.holds = [(1.0, 0.4, 0.4)]
     drive_plan(bench)
     assert Findings.from_state(bench.to_state()) == bench.findings
+
+
+def test_robot_in_the_middle_turns_to_another_heading():
+    robot = RollingRobot(0.02, 0.0, 0.0)
+    bench = bench_of(robot)
+    localise(bench)
+    return_step(bench)
+    assert abs(math.remainder(robot.pose[2], math.tau)) > 0.5
+    assert math.hypot(robot.pose[0] - 0.02, robot.pose[1]) < 0.05

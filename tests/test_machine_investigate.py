@@ -15,7 +15,7 @@ from fsm_calib.statechart.runtime import Machine
 from fsm_calib.statechart.validate import validate
 
 DIAGRAMS = Path(__file__).parent.parent / "diagrams" / "investigate"
-LIMITS = InvestigateLimits(drives=2, returns=2, misses=2)
+LIMITS = InvestigateLimits(drives=2, returns=2, misses=2, places=2)
 
 
 def after(state: str, trigger: str, books: dict | None = None, **evidence: object) -> Machine:
@@ -48,7 +48,17 @@ def test_diagrams_are_current() -> None:
         ("returning", "moved", {}, {}, "localising"),
         ("designing", "drive_designed", {}, {}, "driving"),
         ("designing", "nothing_to_learn", {"sure": True}, {}, "done"),
-        ("designing", "nothing_to_learn", {"sure": False}, {}, "given_up/nothing_to_learn"),
+        ("designing", "nothing_to_learn", {"sure": False, "cramped": False}, {}, "given_up/nothing_to_learn"),
+        ("designing", "nothing_to_learn", {"sure": False, "cramped": True}, {}, "returning"),
+        (
+            "designing",
+            "nothing_to_learn",
+            {"sure": False, "cramped": True},
+            {"places": 1},
+            "given_up/nothing_to_learn",
+        ),
+        ("designing", "no_room", {}, {}, "returning"),
+        ("designing", "no_room", {}, {"places": 1}, "given_up/no_room"),
         ("driving", "drive_finished", {}, {}, "diagnosing"),
         ("driving", "drive_cut", {}, {}, "diagnosing"),
         ("driving", "pose_missing", {}, {}, "localising"),
@@ -73,6 +83,10 @@ def test_outcome_leads_where_it_should(state, trigger, evidence, books, dest) ->
 
 def test_every_drive_is_counted() -> None:
     assert after("designing", "drive_designed").books.drives == 1
+
+
+def test_a_drive_forgives_the_places_that_had_none() -> None:
+    assert after("designing", "drive_designed", {"places": 1}).books.places == 0
 
 
 def test_seeing_the_robot_where_there_is_room_forgives_returns_and_misses() -> None:

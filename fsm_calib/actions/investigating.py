@@ -19,6 +19,8 @@ FEWEST = 3  # poses of which a median is taken
 TICK = 0.004  # s: less is not worth a wait, and a robot's clock may not resolve it
 REACH = 0.8  # m: longest single move back, over which a heading that is 0.2 rad wrong does not matter
 RETURN_COMMAND = 0.25  # of moves back: slow enough for a tracker, fast enough for a dead zone
+IN_THE_MIDDLE = 0.1  # m: nearer than that a move back changes nothing
+OTHER_HEADING = 2.4  # rad, the golden angle: headings in a row lie far from one another
 SMALLEST_RATE = 0.2  # of the nominal speed: a robot that moved less is taken for that fast
 NOMINAL_SPEED, NOMINAL_TURN = 0.6, 12.0  # m/s and rad/s at command 1 (DB18)
 
@@ -42,7 +44,7 @@ class Findings:
     """What an investigation knows: the pose, the next holds and their plan, drives, distance, and the answers.
 
     streak : judgements in a row that found the same names sure; names : of the last judgement. speed, turn : of the
-    robot at command 1 [m/s, rad/s], learnt from moves back.
+    robot at command 1 [m/s, rad/s], learnt from moves back. designs : how often a drive was asked for.
     """
 
     pose: tuple[float, float, float] | None = None
@@ -54,6 +56,7 @@ class Findings:
     streak: int = 0
     speed: float = NOMINAL_SPEED
     turn: float = NOMINAL_TURN
+    designs: int = 0
 
     def to_state(self) -> dict[str, Any]:
         """Return plain JSON values."""
@@ -114,13 +117,16 @@ def localise(bench: InvestigationBench) -> Outcome:
 
 
 def return_step(bench: InvestigationBench) -> Outcome:
-    """Turn towards the middle of the area and drive there; from what came of it learn how fast the robot is."""
+    """Turn towards the middle of the area and drive there; from what came of it learn how fast the robot is.
+
+    A robot in the middle turns to another heading, from which other drives fit into the area.
+    """
     findings, asked = bench.findings, bench.asked
     x, y, theta = findings.pose or (asked.centre_x, asked.centre_y, 0.0)
     way = math.hypot(asked.centre_x - x, asked.centre_y - y)
     azimuth = math.atan2(asked.centre_y - y, asked.centre_x - x)
-    turn = math.remainder(azimuth - theta, math.tau)
-    backward = abs(turn) > 0.5 * math.pi
+    turn = math.remainder(azimuth - theta, math.tau) if way > IN_THE_MIDDLE else OTHER_HEADING
+    backward = abs(turn) > 0.5 * math.pi and way > IN_THE_MIDDLE
     if backward:
         turn = math.remainder(turn + math.pi, math.tau)
     u = min(RETURN_COMMAND, asked.command)
@@ -131,7 +137,7 @@ def return_step(bench: InvestigationBench) -> Outcome:
         findings.turn *= min(max(abs(turned / turn), 0.5), 2.0)
     rest = abs(turn - (turned or turn))
     ahead = -u if backward else u
-    if rest < 0.6:
+    if rest < 0.6 and way > IN_THE_MIDDLE:
         _hold(bench, WheelCommand(ahead, ahead), min(way, REACH) / (u * findings.speed))
     moved = _moved(bench, x, y)
     if moved is not None and rest < 0.6 and way > 0.2:

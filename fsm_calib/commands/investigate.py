@@ -43,7 +43,9 @@ def investigate_command(
         Path | None,
         typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Where files go (default: out).")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Where files go (default: the next free of out, out-2, ...).")
+    ] = None,
     resume: Annotated[
         Path | None, typer.Option(help="Go on with the investigation in this directory.")
     ] = None,

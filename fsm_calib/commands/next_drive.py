@@ -41,12 +41,12 @@ def write_plan(diagnosis: Diagnosis, area: Area, longest: float, folder: Path, s
     import numpy as np
 
     from fsm_calib.diagnosis.design.belief_of import belief_of
-    from fsm_calib.diagnosis.design.designer import design, played
+    from fsm_calib.diagnosis.design.designer import NoDrive, design, played
     from fsm_calib.report.next_drive import write_next_drive
 
     belief = belief_of(diagnosis.decision)
     plan = design(belief, area, area.centre, np.random.default_rng(seed), played(longest))
-    if plan is None:
+    if isinstance(plan, NoDrive):
         typer.echo(f"next drive: none. {nothing_to_learn(belief.sureness)}")
         return
     recording = diagnosis.decision.engine.simulators[0].prepared.recording

@@ -40,11 +40,12 @@ def run_directory(out: Path | None, resume: Path | None, *, overwrite: bool) -> 
 
 def _held(directory: Path) -> list[str]:
     """Return the files and folders of an earlier run that a new one would replace."""
+    from fsm_calib.runner.investigation.files import DRIVES, RESULT
     from fsm_calib.runner.run import RUN_FILES, RUN_FOLDERS
 
     if directory.exists() and not directory.is_dir():
         raise InputError("is a file", where=str(directory), cure="Give a directory.")
-    return [name for name in (*RUN_FILES, *RUN_FOLDERS) if (directory / name).exists()]
+    return [name for name in (*RUN_FILES, *RUN_FOLDERS, RESULT, DRIVES) if (directory / name).exists()]
 
 
 def _next_free(wanted: Path) -> Path:

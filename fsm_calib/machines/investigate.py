@@ -15,6 +15,7 @@ from fsm_calib.statechart.spec import Chart, State, always, choose, otherwise, w
 
 SURE = "sure: bool, the answer is as sure as was asked for, and was so after the drive before"
 TIME_LEFT = "time_left: bool, the robot may still drive: time and distance are not spent"
+CRAMPED = "cramped: bool, drives were refused because they leave the area from here"
 POSE_MISSING = Returned("pose_missing", "The tracker does not see the robot.")
 
 GIVEN_UP = (
@@ -24,6 +25,9 @@ GIVEN_UP = (
     State("nothing_to_learn", "No drive in reach would make the answer surer.",
           reason="After {drives} drives no drive on this floor would make the answer surer.",
           cure="Encoders, another floor, a load on the robot or a larger area would."),
+    State("no_room", "No drive fits into the area, from wherever the robot began.",
+          reason="No drive fits into the area, from {places} places or headings.",
+          cure="Give a larger area, clear it, or a smaller command limit."),
 )  # fmt: skip
 FAILURES = (
     State("out_of_sight", "The tracker does not see the robot.",
@@ -66,7 +70,11 @@ INVESTIGATION = Chart(
                 otherwise("given_up/budget_spent")),
         *choose("nothing_to_learn", "designing",
                 when("is_sure", "done"),
+                when("may_look_elsewhere", "returning", "count_place"),
                 otherwise("given_up/nothing_to_learn")),
+        *choose("no_room", "designing",
+                when("has_places_left", "returning", "count_place"),
+                otherwise("given_up/no_room", "count_place")),
         *always("drive_finished", "driving", "diagnosing"),
         *always("drive_cut", "driving", "diagnosing"),
         *always("pose_missing", "driving", "localising", "count_miss"),
@@ -91,7 +99,8 @@ CONTRACT = contract_of(
              (Returned("moved", "The move was made; where it led is seen next."),)),
     Activity("design_drive", "Find the drive of most information per second within the bounds.",
              (Returned("drive_designed", "The next drive is known."),
-              Returned("nothing_to_learn", "No drive in reach tells anything.", (SURE,)))),
+              Returned("nothing_to_learn", "No drive in reach tells anything.", (SURE, CRAMPED)),
+              Returned("no_room", "No drive fits into the area from here."))),
     Activity("drive_plan", "Drive the plan and keep commands and poses; stop where the area ends.",
              (Returned("drive_finished", "The drive was made to its end."),
               Returned("drive_cut", "The drive was stopped at the area's edge; its part so far counts."),
@@ -110,7 +119,7 @@ INVESTIGATE = Machinery(
     contract=CONTRACT,
     books=InvestigateBooks,
     limits=InvestigateLimits,
-    small=(Small(InvestigateLimits(drives=2, returns=2, misses=2)),),
+    small=(Small(InvestigateLimits(drives=2, returns=2, misses=2, places=2)),),
     home="fsm_calib/machines/investigate.py",
     limits_home="fsm_calib/machines/investigate_books.py",
 )

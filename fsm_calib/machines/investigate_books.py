@@ -14,20 +14,23 @@ class InvestigateLimits:
 
     drives : designed drives. returns : moves in a row towards the middle of the area; five bring a robot back over a
     metre that misses half of every move. misses : looks in a row at which the tracker does not see the robot.
+    places : in a row from which no drive could be made: other ones are tried, towards the middle of the area.
     """
 
     drives: int = 12
     returns: int = 8
     misses: int = 3
+    places: int = 3
 
 
 @dataclass(slots=True)
 class InvestigateBooks(Books):
-    """What an investigation counts: drives; returns and misses in a row."""
+    """What an investigation counts: drives; returns, misses, and places without a drive, in a row."""
 
     drives: int = 0
     returns: int = 0
     misses: int = 0
+    places: int = 0
 
 
 def is_roomy(books: InvestigateBooks, limits: InvestigateLimits, evidence: Evidence) -> bool:
@@ -55,6 +58,16 @@ def has_drives_left(books: InvestigateBooks, limits: InvestigateLimits, evidence
     return books.drives < limits.drives
 
 
+def has_places_left(books: InvestigateBooks, limits: InvestigateLimits, evidence: Evidence) -> bool:
+    """Whether one more place may be tried."""
+    return books.places + 1 < limits.places
+
+
+def may_look_elsewhere(books: InvestigateBooks, limits: InvestigateLimits, evidence: Evidence) -> bool:
+    """Whether bounds refused drives here, and one more place may be tried."""
+    return bool(evidence["cramped"]) and has_places_left(books, limits, evidence)
+
+
 def may_go_on(books: InvestigateBooks, limits: InvestigateLimits, evidence: Evidence) -> bool:
     """Whether time, distance and drives are left."""
     return bool(evidence["time_left"]) and has_drives_left(books, limits, evidence)
@@ -77,14 +90,29 @@ def count_miss(books: InvestigateBooks, limits: InvestigateLimits, evidence: Evi
 
 
 def count_drive(books: InvestigateBooks, limits: InvestigateLimits, evidence: Evidence) -> None:
-    """One more drive."""
+    """One more drive; the places that had none are forgotten."""
     books.drives += 1
+    books.places = 0
+
+
+def count_place(books: InvestigateBooks, limits: InvestigateLimits, evidence: Evidence) -> None:
+    """One more place from which no drive could be made."""
+    books.places += 1
 
 
 GUARDS: dict[str, Guard] = {
     guard.__name__: guard
-    for guard in (is_roomy, is_sure, has_returns_left, has_misses_left, has_drives_left, may_go_on)
+    for guard in (
+        is_roomy,
+        is_sure,
+        has_returns_left,
+        has_misses_left,
+        has_drives_left,
+        may_go_on,
+        has_places_left,
+        may_look_elsewhere,
+    )
 }
 ACTIONS: dict[str, Action] = {
-    action.__name__: action for action in (see_robot, count_return, count_miss, count_drive)
+    action.__name__: action for action in (see_robot, count_return, count_miss, count_drive, count_place)
 }

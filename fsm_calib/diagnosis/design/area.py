@@ -55,3 +55,7 @@ class Area:
     def holds(self, x: FloatArray, y: FloatArray) -> bool:
         """Return whether every point keeps its distance."""
         return bool(np.all(self.clearance(x, y) >= 0.0))
+
+    def allows(self, paths: FloatArray) -> bool:
+        """Return whether every pose of `paths` (k, n, 3), x, y [m], theta [rad], every 0.05 s, is within the bounds."""
+        return self.holds(paths[:, :, 0], paths[:, :, 1])

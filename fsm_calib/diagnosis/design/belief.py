@@ -11,6 +11,7 @@ from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
 
 NOTHING = "nothing is missing"
 
@@ -86,6 +87,27 @@ def depends_on_place(name: str) -> bool:
     """Return whether an effect acts differently at another place or heading."""
     effect = registry()[name]
     return bool(effect.scan == "place" or {"place", "heading"} & set(effect.regimes))
+
+
+def place_of(hypothesis: Hypothesis) -> tuple[float, float] | None:
+    """Return the centre of the place that a hypothesis names [m], None where it names none."""
+    table = parameter_table()
+    for name in hypothesis.names:
+        if registry()[name].scan == "place" and f"{name}.x" in table.index:
+            return tuple(float(hypothesis.values[table.place(f"{name}.{axis}")]) for axis in "xy")  # type: ignore[return-value]
+    return None
+
+
+def drawn_values(h: Hypothesis, count: int, rng: np.random.Generator) -> FloatArray:
+    """Return parameter vectors (count, p) drawn from a hypothesis' spread, inside the physical bounds."""
+    table = parameter_table()
+    vectors, values = np.tile(h.values, (count, 1)), np.linalg.eigh(h.covariance)
+    root = values[1] * np.sqrt(np.maximum(values[0], 0.0))
+    moved = vectors[:, list(h.places)] + rng.standard_normal((count, len(h.places))) @ root.T
+    low = [table.entries[place].low for place in h.places]
+    high = [table.entries[place].high for place in h.places]
+    vectors[:, list(h.places)] = np.clip(moved, low, high)
+    return vectors
 
 
 def kept(hypotheses: list[Hypothesis], most: int) -> tuple[Hypothesis, ...]:

@@ -10,20 +10,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 
 from fsm_calib.diagnosis.design.area import Area
-from fsm_calib.diagnosis.design.belief import Belief, Hypothesis
+from fsm_calib.diagnosis.design.belief import Belief, drawn_values, place_of
 from fsm_calib.diagnosis.design.foresight import Foresight
 from fsm_calib.diagnosis.design.plan import Forecast, Outlook, Plan, Waypoint
 from fsm_calib.diagnosis.design.primitives import Primitive, menu
 from fsm_calib.diagnosis.design.separation import Pairs, distances, expected_posteriors, information
 from fsm_calib.types import FloatArray, Pose2
-from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.parameters import parameter_table
 
+REACHES = (
+    1.0,
+    0.5,
+    0.25,
+)  # shares of the full manoeuvres that are tried in a row where longer ones do not fit in
+CRAMPED_SHARE = 0.25  # of manoeuvres that do not fit in: from another place there may be more to choose from
+MOST_TRIED = 12  # manoeuvres that are held against the bounds at each step before the drive ends there
 TEMPER = 3.0  # the diagnosis divides its evidence by it (verdict/posterior.py)
 
 
@@ -54,20 +60,38 @@ def played(longest: float) -> Wishes:
     return Wishes(longest=longest, shortest=min(20.0, 0.6 * longest), overhead=60.0, caution=3.0)
 
 
+class NoDrive(Enum):
+    """Why there is no drive: none tells anything, none that tells anything fits in from here, none fits in at all."""
+
+    NOTHING_TOLD = "nothing told"
+    CRAMPED = "cramped"
+    NO_ROOM = "no room"
+
+
 def design(
     belief: Belief, area: Area, start: Pose2, rng: np.random.Generator, wishes: Wishes = Wishes()
-) -> Plan | None:
-    """Return the drive from `start` that settles most per second; None where none within the bounds tells anything."""
+) -> Plan | NoDrive:
+    """Return the drive from `start` that settles most per second, or why there is none.
+
+    Where manoeuvres of full reach do not fit in, shorter ones are tried.
+    """
     if len(belief.hypotheses) < 2:
-        return None
-    composer = Composer(Foresight(belief), area, wishes, _pose(start))
-    chosen = composer.composed()
-    while chosen and not composer.safe(chosen, rng):
-        chosen = chosen[:-1]
-    if not chosen:
-        return None
-    plan = composer.plan(chosen, rng)
-    return plan if plan.forecast.information >= wishes.least else None
+        return NoDrive.NOTHING_TOLD
+    foresight, fits, cramped = Foresight(belief), False, False
+    for reach in REACHES:
+        composer = Composer.at(foresight, area, wishes, start, reach)
+        chosen = composer.kept_safe(composer.composed(rng), rng)
+        cramped = cramped or composer.refused > CRAMPED_SHARE * composer.offered
+        fits = fits or bool(chosen)
+        if chosen:
+            plan = composer.plan(chosen, rng)
+            if plan.forecast.information >= wishes.least:
+                return plan
+        if not composer.refused:
+            break
+    if not fits:
+        return NoDrive.NO_ROOM
+    return NoDrive.CRAMPED if cramped else NoDrive.NOTHING_TOLD
 
 
 def random_drive(
@@ -77,43 +101,59 @@ def random_drive(
     rng: np.random.Generator,
     wishes: Wishes = Wishes(),
     seconds: float = 20.0,
-) -> Plan | None:
+) -> Plan | NoDrive:
     """Return a drive of primitives drawn at random within the same bounds, about `seconds` [s] long: what design is
     compared with.
     """
-    composer = Composer(Foresight(belief), area, wishes, _pose(start))
-    chosen = composer.drawn(seconds, rng)
-    while chosen and not composer.safe(chosen, rng):
-        chosen = chosen[:-1]
-    return composer.plan(chosen, rng) if chosen else None
+    foresight = Foresight(belief)
+    for reach in REACHES:
+        composer = Composer.at(foresight, area, wishes, start, reach)
+        if chosen := composer.kept_safe(composer.drawn(seconds, rng), rng):
+            return composer.plan(chosen, rng)
+    return NoDrive.NO_ROOM
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Composer:
-    """Chains manoeuvres from one start (x, y, theta)."""
+    """Chains manoeuvres from one start (x, y, theta).
+
+    reach : share of their full length that straights and turns have. offered, refused : manoeuvres that were held
+    against the bounds, and those that did not fit.
+    """
 
     foresight: Foresight
     area: Area
     wishes: Wishes
     start: FloatArray
+    reach: float = 1.0
+    offered: int = 0
+    refused: int = 0
 
-    def composed(self) -> list[Primitive]:
-        """Return manoeuvres in order, greedily by information per second."""
+    @classmethod
+    def at(cls, foresight: Foresight, area: Area, wishes: Wishes, start: Pose2, reach: float) -> Composer:
+        """Begin at `start`."""
+        return cls(foresight, area, wishes, np.array([start.x, start.y, start.theta]), reach)
+
+    def composed(self, rng: np.random.Generator) -> list[Primitive]:
+        """Return manoeuvres in order, greedily by information per second; each within the bounds for every draw."""
         belief, columns = self.foresight.belief, self.foresight.columns
         pairs, p = Pairs.of(columns), belief.probabilities
         gram = np.zeros((columns.width, columns.width))
         starts = np.tile(self.start, (len(belief.hypotheses), 1))
         chosen: list[Primitive] = []
+        rows = self.rows(rng)
         spent, known, rates = 0.0, 0.0, dict[str, float]()
         while True:
-            best: tuple[float, Primitive, FloatArray, float] | None = None
+            weighed: list[tuple[float, Primitive, FloatArray, float]] = []
             for option in self._promising(starts, spent, rates, chosen):
                 grown = gram + self.foresight.gram(option.holds, starts[0])
                 told = information(distances(grown, columns, pairs), p, TEMPER * self.wishes.caution)
                 rates[option.name] = rate = (told - known) / option.duration
-                if best is None or rate > best[0]:
-                    best = (rate, option, grown, told)
-            if best is None or not self._goes_on(best[0], known, spent):
+                weighed.append((rate, option, grown, told))
+            weighed = [w for w in weighed if self._goes_on(w[0], known, spent)]
+            weighed.sort(key=lambda w: -w[0])
+            best = next((w for w in weighed[:MOST_TRIED] if self.stays([*chosen, w[1]], rows)), None)
+            if best is None:
                 return chosen
             _, option, gram, known = best
             chosen.append(option)
@@ -144,25 +184,30 @@ class Composer:
         """Return manoeuvres drawn at random until `seconds` [s] are full."""
         starts = np.tile(self.start, (len(self.foresight.belief.hypotheses), 1))
         chosen: list[Primitive] = []
+        rows = self.rows(rng)
         while (spent := sum(p.duration for p in chosen)) < seconds:
             options = list(self.options(starts, spent))
-            if not options:
+            order = rng.permutation(len(options))[:MOST_TRIED]
+            option = next((options[k] for k in order if self.stays([*chosen, options[k]], rows)), None)
+            if option is None:
                 break
-            option = options[rng.integers(len(options))]
             chosen.append(option)
             starts = self.foresight.paths(option.holds, starts)[:, -1]
         return chosen
 
     def options(self, starts: FloatArray, spent: float) -> Iterator[Primitive]:
         """Yield the manoeuvres that stay inside the area under every explanation, from each one's pose (h, 3)."""
-        pace = self.foresight.pace
+        pace = replace(self.foresight.pace, share=self.reach)
         wanted = [*menu(self.wishes.limit, pace), *self._crossings(starts[0])]
         for option in wanted:
             if spent + option.duration > self.wishes.longest:
                 continue
             paths = self.foresight.paths(option.holds, starts)
-            if self.area.holds(paths[:, :, 0], paths[:, :, 1]):
+            self.offered += 1
+            if self.area.allows(paths):
                 yield option
+            else:
+                self.refused += 1
 
     def _crossings(self, pose: FloatArray) -> Iterator[Primitive]:
         """Yield turns towards the centre and the places that explanations name, and the straight over each."""
@@ -188,13 +233,25 @@ class Composer:
         """Return the commands of the whole drive."""
         return tuple(hold for primitive in chosen for hold in primitive.holds)
 
-    def safe(self, chosen: Sequence[Primitive], rng: np.random.Generator) -> bool:
-        """Return whether the whole drive stays inside for every explanation over the spread of its numbers."""
-        rows = []
+    def rows(self, rng: np.random.Generator) -> FloatArray:
+        """Return parameter vectors (k, p): every explanation, and some draws from the spread of its numbers."""
+        rows: list[FloatArray] = []
         for h in self.foresight.belief.hypotheses:
             rows += [h.values, *drawn_values(h, self.wishes.careful, rng)]
-        paths = self.foresight.rolled(self.holds(chosen), np.array(rows), self.start)
-        return self.area.holds(paths[:, :, 0], paths[:, :, 1])
+        return np.array(rows)
+
+    def stays(self, chosen: Sequence[Primitive], rows: FloatArray) -> bool:
+        """Return whether the drive so far stays within the bounds for every row of parameters."""
+        fits = self.area.allows(self.foresight.rolled(self.holds(chosen), rows, self.start))
+        self.offered, self.refused = self.offered + 1, self.refused + (not fits)
+        return fits
+
+    def kept_safe(self, chosen: list[Primitive], rng: np.random.Generator) -> list[Primitive]:
+        """Return the longest beginning of a drive that stays within the bounds for new draws, too."""
+        rows = self.rows(rng)
+        while chosen and not self.stays(chosen, rows):
+            chosen = chosen[:-1]
+        return chosen
 
     def plan(self, chosen: Sequence[Primitive], rng: np.random.Generator) -> Plan:
         """Roll the whole drive out, and say what is expected of it."""
@@ -229,34 +286,9 @@ class Composer:
         return Plan(holds, tuple(steps), Pose2(*map(float, self.start)), forecast, outlooks, path)
 
 
-def place_of(hypothesis: Hypothesis) -> tuple[float, float] | None:
-    """Return the centre of the place that a hypothesis names [m], None where it names none."""
-    table = parameter_table()
-    for name in hypothesis.names:
-        if registry()[name].scan == "place" and f"{name}.x" in table.index:
-            return tuple(float(hypothesis.values[table.place(f"{name}.{axis}")]) for axis in "xy")  # type: ignore[return-value]
-    return None
-
-
-def drawn_values(h: Hypothesis, count: int, rng: np.random.Generator) -> FloatArray:
-    """Return parameter vectors (count, p) drawn from a hypothesis' spread, inside the physical bounds."""
-    table = parameter_table()
-    vectors, values = np.tile(h.values, (count, 1)), np.linalg.eigh(h.covariance)
-    root = values[1] * np.sqrt(np.maximum(values[0], 0.0))
-    moved = vectors[:, list(h.places)] + rng.standard_normal((count, len(h.places))) @ root.T
-    low = [table.entries[place].low for place in h.places]
-    high = [table.entries[place].high for place in h.places]
-    vectors[:, list(h.places)] = np.clip(moved, low, high)
-    return vectors
-
-
 def _rival(belief: Belief, said: FloatArray, k: int) -> str:
     """Return with what an explanation would still be taken for, most likely; empty where with none."""
     others = said.copy()
     others[k] = 0.0
     worst = int(np.argmax(others))
     return belief.hypotheses[worst].label if others[worst] > 0.02 else ""
-
-
-def _pose(pose: Pose2) -> FloatArray:
-    return np.array([pose.x, pose.y, pose.theta])

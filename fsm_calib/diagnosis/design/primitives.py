@@ -34,18 +34,22 @@ class Primitive:
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """How fast the robot is likely to be: speed(u) [m/s] of a straight at command u, turn(u) [rad/s] of a spin."""
+    """How fast the robot is likely to be: speed(u) [m/s] of a straight at command u, turn(u) [rad/s] of a spin.
+
+    share : of the full reach that manoeuvres have; less where there is little room.
+    """
 
     speed: Callable[[float], float]
     turn: Callable[[float], float]
+    share: float = 1.0
 
     def straight(self, command: float) -> float:
         """Return for how long [s] a straight stays within `REACH`."""
-        return _clipped(REACH / max(self.speed(command), 0.02))
+        return _clipped(self.share * REACH / max(self.speed(command), 0.02), self.share)
 
     def spin(self, command: float) -> float:
         """Return how long [s] `TURN` takes."""
-        return _clipped(TURN / max(self.turn(command), 0.1))
+        return _clipped(self.share * TURN / max(self.turn(command), 0.1), self.share)
 
 
 def menu(limit: float, pace: Pace) -> tuple[Primitive, ...]:
@@ -101,5 +105,5 @@ def _row(*holds: tuple[float, float, float]) -> tuple[tuple[float, float, float]
     return (*rounded, (REST, 0.0, 0.0))
 
 
-def _clipped(seconds: float) -> float:
-    return min(max(seconds, SHORTEST), LONGEST)
+def _clipped(seconds: float, share: float) -> float:
+    return min(max(seconds, share * SHORTEST), LONGEST)

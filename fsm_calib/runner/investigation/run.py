@@ -23,6 +23,7 @@ from fsm_calib.robots.connection import Connection
 from fsm_calib.runner.connecting import connect, drive_again
 from fsm_calib.runner.gallery import Gallery
 from fsm_calib.runner.hold import held
+from fsm_calib.runner.investigation.files import DRIVES, OWN_FILES, OWN_FOLDERS, RESULT
 from fsm_calib.runner.investigation.thinking import Designer, Mind, with_facts
 from fsm_calib.runner.logged import LoggedRobot
 from fsm_calib.runner.loop import Run, run_to_end, step_abort
@@ -37,8 +38,6 @@ from fsm_calib.types import WheelCalibration
 from fsm_calib.world2d.overhead import OverheadTracker
 from fsm_calib.world2d.scene import SceneSpec
 
-RESULT, DRIVES = "investigation.json", "drives"
-OWN_FILES = (RESULT, "index.html", "world.yaml")
 WALL_STEP = 0.1  # m between the discs that stand for a wall
 
 
@@ -84,7 +83,8 @@ def investigate(
             clear(directory)
             for name in OWN_FILES:
                 (directory / name).unlink(missing_ok=True)
-            shutil.rmtree(directory / DRIVES, ignore_errors=True)
+            for name in OWN_FOLDERS:
+                shutil.rmtree(directory / name, ignore_errors=True)
         return _investigated(scenario, directory, tuple(given), resume, observer or Silent(), designer)
 
 
@@ -145,7 +145,9 @@ def session(
         machine=_machine(state),
         bench=bench,
         robot=robot,
-        journal=Journal(directory, state["journal_length"] if state else 0),
+        journal=Journal(directory, state["journal_length"], state["journal_chain"])
+        if state
+        else Journal(directory),
         activities=_activities(mind),
         pose=connection.pose,
         parts=parts,

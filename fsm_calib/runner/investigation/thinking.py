@@ -12,7 +12,7 @@ from fsm_calib.actions.investigating import Field, InvestigationBench
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief, with_doubts
-from fsm_calib.diagnosis.design.designer import Wishes, design
+from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design
 from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.errors import DataError
@@ -28,7 +28,7 @@ SURE_NAME = 0.9  # confidence that the verdict itself must have in every name
 LEAST_SHARE = 0.02  # of the doubt: a drive that removes less is not worth driving
 SHORTEST_TIME = 8.0  # s of budget: with less no drive is begun
 
-Designer = Callable[[Belief, Area, Pose2, np.random.Generator, Wishes], Plan | None]
+Designer = Callable[[Belief, Area, Pose2, np.random.Generator, Wishes], Plan | NoDrive]
 
 
 @dataclass(eq=False)
@@ -59,18 +59,24 @@ class Mind:
             belief = prior_belief(robot=self.facts)
         elif sure:
             belief, least = with_doubts(belief), 0.0
-        rng = np.random.default_rng([self.seed, DESIGN_STREAM, len(findings.drives)])
+        rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
+        findings.designs += 1
         longest = min(asked.longest, max(asked.budget - bench.robot.now(), SHORTEST_TIME))
         wishes = Wishes(longest=longest, limit=asked.command, least=max(least, 0.01))
         plan = self.designer(belief, self.area, Pose2(*(findings.pose or (0.0, 0.0, 0.0))), rng, wishes)
-        if plan is None:
-            return Outcome(
-                "nothing_to_learn", {"sure": sure}, "No drive in reach would make the answer surer."
-            )
+        if plan is NoDrive.NO_ROOM:
+            return Outcome("no_room", {}, "No drive fits into the area from here.")
+        if isinstance(plan, NoDrive):
+            evidence = {"sure": sure, "cramped": plan is NoDrive.CRAMPED}
+            return Outcome("nothing_to_learn", evidence, "No drive in reach would make the answer surer.")
         findings.holds, findings.plan = list(plan.holds), plan.as_json()
         self.plans.append(plan)
-        evidence = {"seconds": plan.seconds, "expected": plan.forecast.sureness, "why": plan.why}
-        return Outcome("drive_designed", evidence, f"A drive of {plan.seconds:.0f} s {plan.why}.")
+        told: dict[str, object] = {
+            "seconds": plan.seconds,
+            "expected": plan.forecast.sureness,
+            "why": plan.why,
+        }
+        return Outcome("drive_designed", told, f"A drive of {plan.seconds:.0f} s {plan.why}.")
 
     def diagnose_drives(self, bench: InvestigationBench) -> Outcome:
         """Compare all drives so far with the simulation."""
