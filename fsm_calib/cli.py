@@ -32,6 +32,7 @@ COMMAND_MODULES: tuple[str, ...] = (
     "camera",
     "extrinsics",
     "diagnosis",
+    "effects",
     "investigate",
     "study",
     "fleet",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import judged, recording
 
-from fsm_calib.commands.diagnosis import summary_lines
+from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.scan_areas import Area, settled
 from fsm_calib.diagnosis.diagnose import diagnose

@@ -38,7 +38,7 @@ def fleet_command(
     """Identify many robots: who pulls where, worst first, as a page and a table; a killed command goes on."""
     from fsm_calib.fleet.folders import robots_in
     from fsm_calib.fleet.run import run_robots
-    from fsm_calib.progress.robots import RobotsBar
+    from fsm_calib.progress.fleet import FleetBar, real_name
     from fsm_calib.report.fleet import write_fleet
     from fsm_calib.study.interrupts import interrupted_by_signals
 
@@ -46,7 +46,7 @@ def fleet_command(
     if out.exists() and not out.is_dir():
         raise InputError("the fleet needs a folder, this is a file", where=str(out))
     try:
-        with RobotsBar() as bar, interrupted_by_signals():
+        with FleetBar(real_name) as bar, interrupted_by_signals():
             rows = run_robots(robots, out, bar, diagnosed=diagnose, jobs=jobs)
     except KeyboardInterrupt as stopped:
         raise DataError(f"stopped by {stopped}", cure="Give the same command to go on.") from stopped

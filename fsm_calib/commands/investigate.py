@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fsm_calib.commands.diagnosis import summary_lines
 from fsm_calib.commands.files import STANDARD_OUTPUT, check_places, write_file
 from fsm_calib.commands.given import recordings_given
 from fsm_calib.commands.options import EffectsOption
 from fsm_calib.commands.run import read_scenario, with_seed
 from fsm_calib.commands.run_place import run_directory
+from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.errors import shown_lines
 
 if TYPE_CHECKING:

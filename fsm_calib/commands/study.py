@@ -47,7 +47,7 @@ def study(
     effects: EffectsOption = None,
 ) -> None:
     """Calibrate many robots by hand and automatically, and compare; a killed command goes on where it was."""
-    from fsm_calib.progress.fleet import FleetBar
+    from fsm_calib.progress.fleet import FleetBar, studied_name
     from fsm_calib.report.study_files import write_page, write_study
     from fsm_calib.shipped import scenario_path
     from fsm_calib.study.backends import BACKENDS, check_backend
@@ -64,7 +64,7 @@ def study(
     check_backend(chosen, address, jobs)
     directory = out or DEFAULT_OUT / loaded.name
     try:
-        with FleetBar() as bar, interrupted_by_signals():
+        with FleetBar(studied_name) as bar, interrupted_by_signals():
             store = run_fleet(loaded, directory, Crew(chosen, jobs, address), bar)
     except KeyboardInterrupt as stopped:
         raise DataError(f"stopped by {stopped}", cure="Give the same command to go on.") from stopped

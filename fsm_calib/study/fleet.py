@@ -13,7 +13,7 @@ import json
 import os
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +24,7 @@ from fsm_calib.journal import write_atomically
 from fsm_calib.study.backends import Backend, death_errors, end_local_workers, results_of, workers
 from fsm_calib.study.load import study_text
 from fsm_calib.study.models import Study
+from fsm_calib.study.pace import Pace, Work, stages_of
 from fsm_calib.study.stages import starts
 from fsm_calib.study.store import Key, Store, key_of
 from fsm_calib.study.task import SESSION_NAME, WORK_NAME, Task, Trial, error_row, read_session, run_task
@@ -45,8 +46,8 @@ APART = 2
 class Watcher(Protocol):
     """Whoever watches a fleet."""
 
-    def begin(self, done: int, total: int, workers: int) -> None:
-        """Take note: `done` of `total` robots are on disk already, `workers` take up the rest."""
+    def begin(self, done: int, total: int, workers: int, foreseen: Pace) -> None:
+        """Note: `done` of `total` robots are on disk, `workers` take up the rest; `foreseen` tells the time left."""
         ...
 
     def row(self, row: dict[str, Any]) -> None:
@@ -61,7 +62,7 @@ class Watcher(Protocol):
 class Unwatched:
     """A watcher that shows nothing."""
 
-    def begin(self, done: int, total: int, workers: int) -> None:
+    def begin(self, done: int, total: int, workers: int, foreseen: Pace) -> None:
         """Do nothing."""
 
     def row(self, row: dict[str, Any]) -> None:
@@ -142,8 +143,9 @@ def run_fleet(
         if not pending:
             return store
         with workers(crew.backend, crew.jobs, crew.address) as count:
-            watcher.begin(len(tasks) - len(pending), len(tasks), count)
-            busy, robots = _Rounds(store, pending, crew.backend, count, watcher, trial).run()
+            pace = pace_of(study, pending, store, count)
+            watcher.begin(len(tasks) - len(pending), len(tasks), count, pace)
+            busy, robots = _Rounds(store, pending, crew.backend, count, watcher, trial, pace).run()
         _note_command(directory, CommandCost(robots, time.perf_counter() - began, busy, count))
     return store
 
@@ -158,6 +160,15 @@ def tasks_of(study: Study, directory: Path, session: int) -> dict[Key, Task]:
             place = str(directory.resolve())
             tasks[variant.name, robot] = Task(text, variant, robot, place, session, os.getpid())
     return tasks
+
+
+def pace_of(study: Study, pending: Mapping[Key, Task], store: Store, workers: int) -> Pace:
+    """Return who knows what is left of a study."""
+    left = {
+        key: Work(task.work.name, stages_of(study.parts, task.variant.name), task.work)
+        for key, task in pending.items()
+    }
+    return Pace(left, store.rows.values(), workers)
 
 
 @contextmanager
@@ -202,6 +213,7 @@ class _Rounds:
     count: int
     watcher: Watcher
     trial: Trial
+    pace: Pace
     busy: float = 0.0
     robots: int = 0
 
@@ -246,4 +258,5 @@ class _Rounds:
         shutil.rmtree(task.work, ignore_errors=True)
         self.busy += row.get("worker", {}).get("seconds", 0.0)
         self.robots += 1
+        self.pace.ended(key_of(row), row)
         self.watcher.row(row)

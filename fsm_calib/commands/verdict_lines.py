@@ -1,0 +1,76 @@
+"""A verdict as lines of text, for the terminal."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+CLEAR = 3.0  # standard deviations from which a difference is printed
+
+
+def summary_lines(plain: dict[str, Any]) -> list[str]:
+    """Return the verdict as lines of text."""
+    lines = [f"{plain['verdict']}: {plain['reason']}"]
+    for effect in plain["effects"]:
+        names = next((group for group in plain["ambiguous"] if effect["name"] in group), [effect["name"]])
+        either = " or ".join(sorted(names, key=lambda name: name != effect["name"]))
+        lines.append(f"  {either} (confidence {effect['confidence']:.2f}): {effect['sentence']}")
+    for group in plain["ambiguous"]:
+        lines.append(f"  cannot be told apart: {', '.join(group)}; the numbers are of the first")
+    if "against" in plain:
+        lines += _beside_simulator(plain["against"])
+    located = plain["located"]
+    if plain["verdict"] != "match":
+        channels, regime = ", ".join(located["channels"]) or "-", located["regime"] or "-"
+        lines.append(f"  shows in: {channels}; {regime}{_around(located['where'])}")
+    if plain["family"]:
+        lines.append(f"  resembles most: {plain['family']}")
+    for name in ("holdout", "train"):
+        errors = plain["fit"][name]
+        if errors:
+            said = [
+                f"{k} {_millimetres(errors[k]['xy_m'])}, {_degrees(errors[k]['theta_rad'])}" for k in errors
+            ]
+            lines.append(f"  {plain['fit']['horizon_s']:g} s error on {name}: {'; '.join(said)}")
+    for rival in plain["rivals"][:3]:
+        lines.append(f"  rival {rival['name']}: {rival['evidence_gap']:.0f} behind")
+    lines += _would_show(plain["smallest_seen"])
+    lines.append(f"  next: {plain['next_manoeuvre']}")
+    parts = ", ".join(f"{name} {seconds:.1f}" for name, seconds in plain["seconds_by_part"].items())
+    return [*lines, f"  {plain['seconds']:.1f} s ({parts})"]
+
+
+def _beside_simulator(told: dict[str, Any]) -> list[str]:
+    """Return what the real robot has that the simulator lacks or has otherwise; numbers from three deviations on."""
+    lines = [f"  the simulator's own: {told['verdict']}; {', '.join(told['effects']) or 'no effects'}"]
+    lines += [f"  the simulator lacks: {', '.join(told['lacks'])}"] if told["lacks"] else []
+    lines += [f"  it has otherwise: {', '.join(told['otherwise'])}"] if told["otherwise"] else []
+    lines += [f"  alike in both: {', '.join(told['alike'])}"] if told["alike"] else []
+    for d in told["differences"]:
+        if d["z"] is not None and abs(d["z"]) >= CLEAR:
+            unit = "" if d["unit"] == "1" else f" {d['unit']}"
+            size = f"{d['difference']:+.3g} ± {d['sd']:.1g}{unit}"
+            lines.append(f"  {d['name']}: real {d['real']:.4g}, simulated {d['simulated']:.4g}, {size}")
+    return lines
+
+
+def _around(where: dict[str, float] | None) -> str:
+    if not where:
+        return ""
+    return f"; within {where['radius']:.2f} m of ({where['x']:.2f} m, {where['y']:.2f} m)"
+
+
+def _would_show(sizes: dict[str, Any]) -> list[str]:
+    said = [
+        f"{name} {e['value']:.2g}{'' if e['unit'] == '1' else ' ' + e['unit']}" for name, e in sizes.items()
+    ]
+    text = f"would have been seen from: {', '.join(said)}"
+    return textwrap.wrap(text, 110, initial_indent="  ", subsequent_indent="    ") if said else []
+
+
+def _millimetres(value: float | None) -> str:
+    return "-" if value is None else f"{1e3 * value:.1f} mm"
+
+
+def _degrees(value: float | None) -> str:
+    return "-" if value is None else f"{57.29578 * value:.2f} deg"
