@@ -6,7 +6,9 @@ import math
 
 import pytest
 
+from fsm_calib.actions.lane_driving import eased
 from fsm_calib.actions.lane_lag import predict
+from fsm_calib.actions.settings import LaneSettings
 from fsm_calib.types import LanePose, WheelCommand
 from fsm_calib.world2d.robot import WorldSettings, WorldSpec, make_world
 
@@ -47,3 +49,18 @@ def test_a_delayed_camera_hands_out_what_it_saw_before() -> None:
     frame = robot.capture()
     assert frame is not None
     assert (frame.time, robot.now()) == pytest.approx((1.0, 1.1))
+
+
+@pytest.mark.parametrize("lag", [0.1, 0.2, 0.4])
+def test_late_frames_ease_the_gains_so_that_a_heading_shrinks_from_command_to_command(lag: float) -> None:
+    settings = LaneSettings()
+    held = settings.period + lag
+    assert 1.0 - eased(settings, lag) * abs(settings.k_phi) * held == pytest.approx(0.2)
+
+
+def test_frames_of_now_leave_the_gains_as_they_are() -> None:
+    assert eased(LaneSettings(), 0.0) == 1.0
+
+
+def test_gains_that_are_small_already_stay_when_frames_are_late() -> None:
+    assert eased(LaneSettings(k_phi=-1.0), 0.2) == 1.0

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 from fsm_calib.actions.bench import Bench
-from fsm_calib.actions.lane_lag import predict
+from fsm_calib.actions.lane_lag import NO_LAG, predict
 from fsm_calib.actions.leaving import speed_of
 from fsm_calib.actions.looking import look
 from fsm_calib.actions.markers import camera_of, tags_in
 from fsm_calib.actions.moving import CLOCKWISE
+from fsm_calib.actions.settings import LaneSettings
 from fsm_calib.actions.turning import turn_step
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.lane import observe_lane
@@ -55,7 +56,8 @@ def follow_lane(bench: Bench) -> Outcome:
             bench.robot.command(STOP)
             bench.robot.wait(bench.settings.drive.settle)
             return _missed({"turned": 0.0})
-        _steer(bench, lane_command(bench, _now_at(bench, pose, frame.time)))
+        lag = bench.robot.now() - frame.time
+        _steer(bench, lane_command(bench, _now_at(bench, pose, frame.time), lag))
         bench.robot.wait(settings.period)
     evidence = {"d": pose.d, "phi": pose.phi} if pose is not None else {}
     return Outcome("lane_followed", evidence, "One more stretch in the lane.")
@@ -82,12 +84,12 @@ def _now_at(bench: Bench, pose: LanePose, seen: float) -> LanePose:
     )
 
 
-def lane_command(bench: Bench, pose: LanePose) -> WheelCommand:
+def lane_command(bench: Bench, pose: LanePose, lag: float = 0.0) -> WheelCommand:
     """Return the wheel commands of the lane controller (Duckietown's, proportional-integral in d,
-    proportional in phi).
+    proportional in phi), for a frame that is `lag` [s] old.
 
-    omega = k_d d + k_phi phi + k_integral int d [rad/s]; the wheels get c (1 -+ omega L / (2 v)), the right
-    one times k. The integral begins anew when d changes its sign.
+    omega = g (k_d d + k_phi phi + k_integral int d) [rad/s]; the wheels get c (1 -+ omega L / (2 v)), the right
+    one times k. The integral begins anew when d changes its sign. g is 1, and less with a lag: see `eased`.
     """
     settings, notebook = bench.settings.lane, bench.notebook
     if pose.d * notebook.lane_side < 0.0:
@@ -96,12 +98,24 @@ def lane_command(bench: Bench, pose: LanePose) -> WheelCommand:
     notebook.lane_integral = min(max(notebook.lane_integral + pose.d * settings.period, -bound), bound)
     notebook.lane_side = pose.d
     omega = settings.k_d * pose.d + settings.k_phi * pose.phi + settings.k_integral * notebook.lane_integral
+    omega *= eased(settings, lag)
     omega = min(max(omega, -settings.largest_omega), settings.largest_omega)
     speed = speed_of(bench) * settings.command / (notebook.drive_command or bench.settings.drive.command)
     share = 0.5 * omega * bench.settings.ratio.axle_length / speed
     return WheelCommand(
         settings.command * (1.0 - share), settings.command * (1.0 + share) * notebook.wheel_ratio
     )
+
+
+def eased(settings: LaneSettings, lag: float) -> float:
+    """Return the factor g on the gains for frames that come late by `lag` [s].
+
+    A command holds for T = period + lag; a gain k turns the robot by k T phi meanwhile, and from k T = 2 on each
+    command leaves a larger heading than it found, however well the pose is predicted. So g k T <= `lagging_share`.
+    """
+    if lag <= NO_LAG:
+        return 1.0
+    return min(1.0, settings.lagging_share / (abs(settings.k_phi) * (settings.period + lag)))
 
 
 def _lane_in(bench: Bench, frame: Frame) -> LanePose | None:

@@ -16,6 +16,8 @@ Sent = Sequence[tuple[float, WheelCommand]]
 """Commands with the times [s] at which they were given, in order."""
 STEP = 0.01
 """Step of the integration [s]."""
+NO_LAG = 1e-6
+"""A frame that is no older is of now [s]."""
 
 
 def predict(
@@ -48,7 +50,7 @@ def predict(
     answer : float
         The motors' answer, taken as a delay [s].
     """
-    if now - seen <= 1e-6:
+    if now - seen <= NO_LAG:
         return pose
     d, phi, time = pose.d, pose.phi, seen
     while time < now + answer:

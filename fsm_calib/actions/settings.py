@@ -161,6 +161,8 @@ class LaneSettings:
         Time between two looks [s].
     motor_answer : float
         Time until the wheels have answered a command [s], where a lag of the frames is made up for.
+    lagging_share : float
+        Share of the heading that one command turns away at most where frames come late [1].
     looks : int
         Looks of one stretch.
     k_d, k_phi, k_integral : float
@@ -189,6 +191,7 @@ class LaneSettings:
     command: float = 0.20
     period: float = 0.3
     motor_answer: float = 0.15
+    lagging_share: float = 0.8
     looks: int = 4
     k_d: float = -6.0
     k_phi: float = -5.0

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from queue import Empty
 from typing import Any
 
-from fsm_calib.errors import RobotLost
+from fsm_calib.errors import LinkLost, RobotLost
+from fsm_calib.robots.guard.outlet import Event
 from fsm_calib.robots.guard.process import Guard, tell
 from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.ros1.outlet import Ros1Outlet
@@ -13,14 +15,19 @@ from fsm_calib.robots.ros1.stepper import Stepper
 from fsm_calib.robots.ros1.topics import Topics
 from fsm_calib.types import STOP, WheelCommand
 
+CONNECT = 60.0
+"""Longest wait for the driver's acknowledgements to be connected [s]."""
+ECHO_WAIT = 30.0
+"""Longest wait for an acknowledgement that is on its way [s]: a loaded machine only takes longer."""
+
 
 def serve_in_lockstep(guard: Guard, setup: GuardSetup) -> None:
     """Guard until the program ends: every ``run`` and ``wait`` is a stretch of the robot's time."""
     outlet = guard.outlet
     if not isinstance(outlet, Ros1Outlet):
         raise TypeError("only a ROS 1 robot is served in lockstep")
-    stepping = _Stepping(guard, outlet, Stepper(outlet.node, Topics(setup.address.vehicle)), setup)
-    stepping.pass_time(stepping.step, False)
+    stepping = Stepping(guard, outlet, Stepper(outlet.node, Topics(setup.address.vehicle)), setup)
+    stepping.begin(Topics(setup.address.vehicle).executed)
     while not guard.ended:
         event = guard.inbox.get()
         try:
@@ -34,7 +41,7 @@ def serve_in_lockstep(guard: Guard, setup: GuardSetup) -> None:
             guard.send(stepping.now)
 
 
-class _Stepping:
+class Stepping:
     """The lines of the program, in the robot's time."""
 
     def __init__(self, guard: Guard, outlet: Ros1Outlet, stepper: Stepper, setup: GuardSetup) -> None:
@@ -42,6 +49,24 @@ class _Stepping:
         self._resend = setup.settings.resend
         self.step = float(stepper.said["step"])
         self.now = float(stepper.said["time"])
+        self._echoes = 0
+
+    def begin(self, topic: str) -> None:
+        """Let the first step pass, once acknowledgements on `topic` are heard; earlier ones were another's.
+
+        Raises
+        ------
+        LinkLost
+            The driver's acknowledgements are not connected.
+        """
+        end = time.monotonic() + CONNECT
+        while not self._outlet.node.subscribers[topic].connected:
+            if time.monotonic() > end:
+                raise LinkLost(f"nothing publishes {topic}")
+            time.sleep(0.01)
+        self.now = self._stepper.step(self.now + self.step, 0, False)
+        self._drain()
+        self._echoes = int(self._stepper.said["executed"])
 
     def obey(self, line: list[Any]) -> None:
         """Do what a line says; a ``run`` ends with zero on its way."""
@@ -73,28 +98,40 @@ class _Stepping:
         while ticks > 0:
             now_ticks = min(ticks, each) if self._guard.rules.held != STOP else ticks
             ticks -= now_ticks
-            executed = self._stepper.said["executed"]
             until = self.now + now_ticks * self.step
             self.now = self._stepper.step(until, self._outlet.sent, look)
-            if self._stepper.said["executed"] > executed:
-                self._guard.rules.answered()
             self._guard.rules.hear(self.now)
-            self._drain()
+            self._hear_echoes()
             if self._guard.rules.stopped is not None:
                 return
             if ticks > 0 and self._guard.rules.held != STOP:
                 self._guard.send(self.now)
 
-    def _drain(self) -> None:
+    def _hear_echoes(self) -> None:
+        """Take every acknowledgement of what the robot says that it applied: in its time none comes later."""
+        lines: list[Event] = []
+        end = time.monotonic() + ECHO_WAIT
+        while self._echoes < self._stepper.said["executed"]:
+            try:
+                self._take(self._guard.inbox.get(timeout=max(end - time.monotonic(), 0.0)), lines)
+            except Empty:
+                self._echoes = int(self._stepper.said["executed"])  # one was published before we listened
+        self._drain(lines)
+
+    def _drain(self, lines: list[Event] | None = None) -> None:
         """Take what was heard meanwhile; lines of the program wait for their turn."""
-        lines = []
+        lines = [] if lines is None else lines
         try:
             while True:
-                event = self._guard.inbox.get_nowait()
-                if event[0] == "line":
-                    lines.append(event)
-                else:
-                    self._guard.take(event, self.now)
+                self._take(self._guard.inbox.get_nowait(), lines)
         except Empty:
             for event in lines:
                 self._guard.inbox.put(event)
+
+    def _take(self, event: Event, lines: list[Event]) -> None:
+        """Take one event; a line of the program is put aside."""
+        if event[0] == "line":
+            lines.append(event)
+            return
+        self._echoes += event[0] == "executed"
+        self._guard.take(event, self.now)

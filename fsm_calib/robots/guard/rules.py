@@ -99,10 +99,6 @@ class Rules:
             self._unanswered = now
         return command
 
-    def answered(self) -> None:
-        """The driver answered, as told by other means than its echo."""
-        self._unanswered = None
-
     def _check(self, now: float) -> None:
         """Stop when the program is silent, or the driver."""
         settings = self._settings

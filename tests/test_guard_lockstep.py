@@ -1,0 +1,74 @@
+"""The guard in lockstep: acknowledgements are waited for, so that a slow machine changes nothing."""
+
+from __future__ import annotations
+
+from queue import Empty, Queue
+from typing import Any
+
+from fsm_calib.robots.address import RobotAddress
+from fsm_calib.robots.guard.lockstep import Stepping
+from fsm_calib.robots.guard.outlet import Event
+from fsm_calib.robots.guard.process import Guard
+from fsm_calib.robots.guard.setup import GuardSetup
+from fsm_calib.robots.settings import LinkSettings
+from fsm_calib.types import WheelCommand
+
+SETUP = GuardSetup(RobotAddress("ros1", "127.0.0.1", 1, "duckie"), LinkSettings(lockstep=True, dither=False))
+
+
+class LateInbox(Queue[Event]):
+    """An inbox on a machine so loaded that an acknowledgement is there only for who waits for it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.on_their_way: list[Event] = []
+
+    def get_nowait(self) -> Event:
+        raise Empty
+
+    def get(self, block: bool = True, timeout: float | None = None) -> Event:
+        if not self.on_their_way:
+            raise Empty
+        return self.on_their_way.pop(0)
+
+
+class Robot:
+    """The outlet and the stepper of a robot that applies every command in the next step."""
+
+    def __init__(self, inbox: LateInbox, step: float) -> None:
+        self.inbox, self.sent = inbox, 0
+        self._commands: list[WheelCommand] = []
+        self.said: dict[str, Any] = {"time": 0.0, "step": step, "frame": -1, "executed": 0}
+
+    def send(self, command: WheelCommand) -> None:
+        self._commands.append(command)
+        self.sent += 1
+
+    def step(self, until: float, commands: int, look: bool) -> float:
+        self.inbox.on_their_way += [("executed", command) for command in self._commands]
+        self._commands = []
+        self.said |= {"time": until, "executed": self.sent}
+        return until
+
+
+def test_an_acknowledgement_that_is_late_on_this_machine_is_not_taken_for_somebody_elses() -> None:
+    inbox = LateInbox()
+    robot = Robot(inbox, step=0.01)
+    guard = Guard(SETUP, robot, inbox)
+    stepping = Stepping(guard, robot, robot, SETUP)
+    for _ in range(3):
+        stepping.obey(["run", 1, 0.2, 0.2, 1.0])
+        stepping.obey(["wait", 2, 4.0, False])
+    assert inbox.on_their_way == []
+    assert guard.rules.stopped is None
+
+
+def test_a_command_of_somebody_else_still_stops_it() -> None:
+    inbox = LateInbox()
+    robot = Robot(inbox, step=0.01)
+    guard = Guard(SETUP, robot, inbox)
+    stepping = Stepping(guard, robot, robot, SETUP)
+    robot.send(WheelCommand(-0.7, 0.7))
+    stepping.obey(["wait", 1, 0.1, False])
+    assert guard.rules.stopped is not None
+    assert "Somebody else drives" in guard.rules.stopped.problem
