@@ -16,8 +16,8 @@ from fsm_calib.errors import LinkLost
 from fsm_calib.robots.ros1.calls import Caller
 from fsm_calib.robots.ros1.master import Master
 
-DEADLINE = 60.0
-"""Longest wait for something that must happen [s]."""
+DEADLINE = 240.0
+"""Longest wait for something that must happen [s]: far beyond what a starved machine needs."""
 NO_ROS = "Debian's ros-core is not installed (apt-get install ros-core python3-rosbag python3-sensor-msgs)"
 
 

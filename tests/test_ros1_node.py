@@ -11,6 +11,7 @@ import pytest
 from ros_rig import MASTERS, NO_ROS, debian_master, until
 
 from fsm_calib.errors import LinkLost
+from fsm_calib.robots.ros1.calls import Caller
 from fsm_calib.robots.ros1.messages import (
     BOOL,
     EMPTY_SERVICE,
@@ -68,6 +69,25 @@ def test_a_header_comes_back_as_it_went() -> None:
 def test_bytes_that_are_no_header_are_a_lost_link() -> None:
     with pytest.raises(LinkLost, match="no ROS header"):
         unpack_header(b"\x05\x00\x00\x00hello")
+
+
+def test_a_publisher_that_does_not_answer_at_once_is_asked_again(
+    nodes: tuple[Node, Node], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[str] = []
+
+    class Busy(Caller):
+        def call(self, name: str, *arguments: object) -> object:
+            asked.append(name)
+            if len(asked) == 1:
+                raise LinkLost("a publisher does not answer")
+            return super().call(name, *arguments)
+
+    monkeypatch.setattr("fsm_calib.robots.ros1.subscriber.Caller", Busy)
+    publisher = nodes[0].publish("/wheels", WHEELS)
+    nodes[1].subscribe("/wheels", WHEELS, lambda body: None)
+    until(lambda: publisher.listeners == ("/b",), "the listener is connected")
+    assert asked == ["requestTopic", "requestTopic"]
 
 
 def test_a_message_arrives_whoever_comes_first(nodes: tuple[Node, Node]) -> None:

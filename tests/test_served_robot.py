@@ -145,7 +145,8 @@ def test_a_lost_wheels_run_resumes_with_its_phase_and_is_stored_on_the_robot(
         assert node.last_received == STOP
         finished = run_scenario(client, tmp_path, resume=True)
         until(
-            lambda: any("done" in message_type(TEXT).decode(body).data for body in heard), "the end is told"
+            lambda: modes and any("done" in message_type(TEXT).decode(body).data for body in heard),
+            "mode and end are told",
         )
         assert "CALIBRATING" in message_type(MODE).decode(modes[0]).state
         listener.close()

@@ -12,6 +12,12 @@ from fsm_calib.robots.ros1.messages import MessageType
 from fsm_calib.robots.ros1.wire import Closed, pack_header, read_block, unpack_header
 
 Listener = Callable[[bytes], None]
+PAUSES = (0.1, 0.3, 1.0, 3.0, 10.0)
+"""Pauses after which a publisher that did not answer is asked again [s]: a loaded machine, a weak network."""
+
+
+class _OtherTypeError(LinkLost):
+    """The publisher's messages are of another type: asking again changes nothing."""
 
 
 class Subscriber:
@@ -43,7 +49,7 @@ class Subscriber:
         self._node, self._listener, self._lost = node, listener, lost
         self._lock = threading.Lock()
         self._links: dict[str, socket.socket | None] = {}
-        self._closed = False
+        self._ended = threading.Event()
         self.refused = ""
 
     @property
@@ -55,7 +61,7 @@ class Subscriber:
     def update(self, publishers: Iterable[str]) -> None:
         """Connect to the publishers that are new."""
         with self._lock:
-            new = [] if self._closed else [uri for uri in publishers if uri not in self._links]
+            new = [] if self._ended.is_set() else [uri for uri in publishers if uri not in self._links]
             self._links.update(dict.fromkeys(new))
         for uri in new:
             threading.Thread(target=self._listen, args=(uri,), daemon=True, name=self.topic).start()
@@ -63,19 +69,31 @@ class Subscriber:
     def _listen(self, uri: str) -> None:
         """Receive from one publisher until it ends."""
         try:
-            link = self._connect(uri)
+            link = self._reach(uri)
             while True:
                 self._listener(read_block(link))
-        except (OSError, Closed, LinkLost) as error:
-            self.refused = str(error) if isinstance(error, LinkLost) else ""
+        except (OSError, Closed, LinkLost):
+            pass  # an end as good as any: the listener is told below
         finally:
             with self._lock:
                 gone = self._links.pop(uri, None)
-                was_connected, closed = gone is not None, self._closed
             if gone is not None:
                 gone.close()
-            if was_connected and not closed and self._lost is not None:
-                self._lost()
+                if not self._ended.is_set() and self._lost is not None:
+                    self._lost()
+
+    def _reach(self, uri: str) -> socket.socket:
+        """Return a connection to a publisher; one that does not answer at once is asked again."""
+        for pause in PAUSES:
+            try:
+                return self._connect(uri)
+            except _OtherTypeError as error:
+                self.refused = str(error)
+                raise
+            except (OSError, Closed, LinkLost):
+                if self._ended.wait(pause):
+                    raise
+        return self._connect(uri)
 
     def _connect(self, uri: str) -> socket.socket:
         """Return a connection to a publisher that has accepted us."""
@@ -87,12 +105,12 @@ class Subscriber:
         theirs = unpack_header(read_block(link))
         if "error" in theirs or theirs.get("md5sum") not in (self.kind.md5, "*"):
             link.close()
-            raise LinkLost(
+            raise _OtherTypeError(
                 f"{self.topic}: another type of messages ({theirs.get('error', theirs.get('type'))})"
             )
         link.settimeout(None)
         with self._lock:
-            if self._closed:
+            if self._ended.is_set():
                 link.close()
                 raise Closed
             self._links[uri] = link
@@ -100,8 +118,8 @@ class Subscriber:
 
     def close(self) -> None:
         """End every connection."""
+        self._ended.set()
         with self._lock:
-            self._closed = True
             for link in self._links.values():
                 if link is not None:
                     link.shutdown(socket.SHUT_RDWR)
