@@ -56,6 +56,7 @@ MAY_KNOW: dict[str, set[str]] = {
     "fleet": GROUND | {"diagnosis", "journal", "recording", "study"},
     "report": BELOW_RUNNER | {"runner", "study"},
     "progress": GROUND | {"outcome", "runner", "study"},
+    "answers": GROUND | {"diagnosis", "perception", "report"},
     "watch": GROUND | {"journal", "report", "scenario", "shipped", "world2d"},
 }
 """Which room may know which. `commands` may know all of these, `cli` all of these and `commands`."""

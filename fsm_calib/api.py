@@ -7,86 +7,26 @@ an `InputError`, data that cannot answer a `DataError`, each with the place and 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fsm_calib.answers import Answer, CameraAnswer, DiagnosisAnswer, RunAnswer
 from fsm_calib.recording import read_recording as read_recording
 
 if TYPE_CHECKING:
-    from fsm_calib.diagnosis.diagnose import Diagnosis
-    from fsm_calib.perception.calibration import CameraCalibration
     from fsm_calib.recording.recording import Recording
     from fsm_calib.scenario.models import Scenario
     from fsm_calib.world2d.spec import WorldSpec
 
 
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """What a function of this module found.
-
-    title : what it is; json : plain values, as the command's `--json` writes them; rows : the figures that matter, as
-    (name, text), for a table.
-    """
-
-    title: str
-    json: dict[str, Any]
-    rows: tuple[tuple[str, str], ...] = field(default=())
-
-    def __str__(self) -> str:
-        """Return title and figures as lines of text."""
-        return "\n".join([self.title, *(f"  {name}: {text}" for name, text in self.rows)])
-
-    def _repr_html_(self) -> str:
-        """Return title and figures as a table, and everything folded below it."""
-        cells = "".join(
-            f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in self.rows
-        )
-        everything = escape(json.dumps(self.json, indent=1))
-        folded = f"<details><summary>everything</summary><pre>{everything}</pre></details>"
-        return f"<b>{escape(self.title)}</b><table>{cells}</table>{folded}"
-
-
-@dataclass(frozen=True, eq=False)
-class RunAnswer(Answer):
-    """A finished run; directory : its files, among them report.html and calibrations/."""
-
-    directory: Path = Path()
-
-
-@dataclass(frozen=True, eq=False)
-class DiagnosisAnswer(Answer):
-    """A diagnosis; diagnosis : everything that it was drawn from (`diagnosis.diagnose.Diagnosis`)."""
-
-    diagnosis: Diagnosis | None = None
-
-    def write_report(self, folder: str | Path) -> Path:
-        """Write report.html and world.yaml into a folder, which is made; return the page's path."""
-        from fsm_calib.report.diagnosis_report import write_report
-        from fsm_calib.report.diagnosis_world import world_text
-
-        if self.diagnosis is None:
-            raise ValueError("this answer holds no diagnosis")
-        place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
-        (place / "world.yaml").write_text(world_text(self.diagnosis), encoding="utf-8")
-        return write_report(self.diagnosis, place)
-
-
-@dataclass(frozen=True, eq=False)
-class CameraAnswer(Answer):
-    """A camera; calibration : with covariance, residuals and poses (`perception.calibration.CameraCalibration`)."""
-
-    calibration: CameraCalibration | None = None
-
-
 def load_world(scenario: str | Path) -> WorldSpec:
-    """Return robot, area, start, sensor and faults of a scenario: a file, or the name of a shipped one.
+    """Return robot, area, start, sensor and faults of a scenario, for `fsm_calib.world2d.robot.make_world` to drive.
 
-    `fsm_calib.world2d.robot.make_world` drives it.
+    Parameters
+    ----------
+    scenario : str or Path
+        A YAML file, or the name of a shipped scenario.
 
     Raises
     ------
@@ -99,7 +39,16 @@ def load_world(scenario: str | Path) -> WorldSpec:
 
 
 def run(scenario: str | Path, out: str | Path = "out", *, seed: int | None = None) -> RunAnswer:
-    """Calibrate a simulated robot as a scenario says; files of an earlier run in `out` are replaced.
+    """Calibrate a simulated robot as a scenario says: camera, wheels, lane.
+
+    Parameters
+    ----------
+    scenario : str or Path
+        A YAML file, or the name of a shipped scenario.
+    out : str or Path
+        The folder of the run's files; those of an earlier run are replaced.
+    seed : int, optional
+        In place of the scenario's own: another robot, other noise.
 
     Raises
     ------
@@ -126,6 +75,11 @@ def run(scenario: str | Path, out: str | Path = "out", *, seed: int | None = Non
 def identify(*recordings: str | Path | Recording) -> Answer:
     """Fit the base robot alone to recordings: radii, axle, gains, time constants, sensor pose, with deviations.
 
+    Parameters
+    ----------
+    *recordings : str, Path or Recording
+        Manifests, bags, .mcap files, or what `read_recording` returned; drives of one robot.
+
     Raises
     ------
     InputError, DataError
@@ -150,9 +104,14 @@ def diagnose(
 
     Parameters
     ----------
-    recordings : what is fitted; holdout : what only judges the result.
-    without : names to leave out of the catalogue.
-    seed : of the significance test.
+    recordings : sequence of str, Path or Recording
+        The drives that are fitted together.
+    holdout : sequence of str, Path or Recording
+        Drives that only judge the result.
+    without : sequence of str
+        Names to leave out of the catalogue.
+    seed : int
+        Of the significance test.
 
     Raises
     ------
@@ -177,7 +136,14 @@ def investigate(
 ) -> RunAnswer:
     """Drive a simulated robot, diagnose, and design the next drive, until it is settled what is missing.
 
-    `given` are recordings of the robot that are there already. Files of an earlier run in `out` are replaced.
+    Parameters
+    ----------
+    scenario : str or Path
+        A YAML file, or the name of a shipped scenario.
+    out : str or Path
+        The folder of its files; those of an earlier run are replaced.
+    given : sequence of str, Path or Recording
+        Recordings of the robot that are there already.
 
     Raises
     ------
@@ -199,10 +165,16 @@ def calibrate_camera(
 
     Parameters
     ----------
-    photos : files, folders or videos.
-    columns, rows : as the board's makers count: inner corners, ChArUco's squares, tags or circles.
-    square : side of a square or tag, pitch of circles [m].
-    kind : chessboard, charuco, aprilgrid, circles or asymmetric_circles.
+    photos : sequence of str or Path
+        Files, folders or videos.
+    columns : int
+        As the board's makers count: inner corners, ChArUco's squares, tags or circles in a row.
+    rows : int
+        The same, in a column.
+    square : float
+        Side of a square or tag, pitch of circles [m].
+    kind : str
+        chessboard, charuco, aprilgrid, circles or asymmetric_circles.
 
     Raises
     ------

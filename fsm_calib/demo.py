@@ -6,8 +6,9 @@ and poses with white noise. The diagnosis gets the recordings and nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -30,6 +31,8 @@ POSE_EVERY = 2
 """Every second pose of the true path (0.02 s apart): 25 Hz."""
 DURATION = 30.0
 """Length of one drive [s]."""
+SHORT = 20.0
+"""Length of a drive that is only written as tables to try things on [s]: enough, and each try is quick."""
 REST = 0.4
 """Pause after a manoeuvre [s]."""
 
@@ -43,10 +46,12 @@ class DemoDrives:
     eccentricity: float
 
 
-def drive_demo(seed: int, names: Sequence[str] = ("drive-1", "drive-2", "drive-3")) -> DemoDrives:
+def drive_demo(
+    seed: int, names: Sequence[str] = ("drive-1", "drive-2", "drive-3"), seconds: float = DURATION
+) -> DemoDrives:
     """Drive a robot three times; the seed draws the wheel, the motors, the manoeuvres and the noise.
 
-    `names` are what the recordings call their source.
+    `names` are what the recordings call their source; `seconds` is how long each drive lasts at least.
     """
     rng = np.random.default_rng(seed)
     eccentricity, ratio = float(rng.uniform(*ECCENTRICITY)), float(rng.uniform(*WHEEL_RATIO))
@@ -55,18 +60,43 @@ def drive_demo(seed: int, names: Sequence[str] = ("drive-1", "drive-2", "drive-3
     for name in names:
         phase = float(rng.uniform(0.0, 2.0 * np.pi))
         hidden = {f"{HIDDEN}.left": eccentricity, f"{HIDDEN}.phase_left": phase}
-        drives.append(_drive(replace(robot, effects=hidden), rng, name))
+        drives.append(drive(replace(robot, effects=hidden), manoeuvres(rng, seconds), rng, name))
     return DemoDrives((drives[0], drives[1]), drives[2], eccentricity)
+
+
+def write_tables(recording: Recording, folder: Path, name: str) -> tuple[Path, Path]:
+    """Write a drive as two plain tables of the kind that anybody's own script logs, and return their paths.
+
+    ``NAME-commands.csv`` holds time [s] and the commands of both wheels from -1 to 1, each until the next row;
+    ``NAME-poses.csv`` holds time [s], x and y [mm] and the heading [deg]. No manifest says so: that is left to
+    `fsm-calib recording init`.
+    """
+    command, pose = recording.command, recording.pose
+    if command is None or pose is None or pose.theta is None:
+        raise ValueError("a drive of the demo has commands and poses")
+    tables = (
+        ("commands", "time_s,left,right", (command.time, command.left, command.right)),
+        (
+            "poses",
+            "time_s,x_mm,y_mm,theta_deg",
+            (pose.time, 1e3 * pose.x, 1e3 * pose.y, np.degrees(pose.theta)),
+        ),
+    )
+    paths = []
+    for kind, header, columns in tables:
+        paths.append(folder / f"{name}-{kind}.csv")
+        np.savetxt(paths[-1], np.column_stack(columns), "%.4f", ",", header=header, comments="")
+    return paths[0], paths[1]
 
 
 Manoeuvre = tuple[str, float, float, float]
 """State, left and right command [1], duration [s]."""
 
 
-def _manoeuvres(rng: np.random.Generator) -> Iterator[Manoeuvre]:
-    """Yield shuttles, turns on the spot and arcs of random speed, a rest after each, for about `DURATION`."""
+def manoeuvres(rng: np.random.Generator, seconds: float = DURATION) -> Iterator[Manoeuvre]:
+    """Yield shuttles, turns on the spot and arcs of random speed, a rest after each, for about so many seconds."""
     total = 0.0
-    while total < DURATION:
+    while total < seconds:
         u = float(rng.uniform(0.2, 0.45))
         kinds: tuple[list[Manoeuvre], ...] = (
             [("shuttle/forward", u, u, 2.2), ("shuttle/rest", 0.0, 0.0, REST), ("shuttle/back", -u, -u, 2.2)],
@@ -78,13 +108,27 @@ def _manoeuvres(rng: np.random.Generator) -> Iterator[Manoeuvre]:
             yield part
 
 
-def _drive(robot: RobotSpec, rng: np.random.Generator, name: str) -> Recording:
-    """Drive the robot over an empty floor and return what a camera above it would have recorded."""
+def drive(
+    robot: RobotSpec, parts: Iterable[Manoeuvre], rng: np.random.Generator, name: str = "drive"
+) -> Recording:
+    """Drive a robot over an empty floor and return what a camera above it would have recorded.
+
+    Parameters
+    ----------
+    robot : RobotSpec
+        With the effects that it hides.
+    parts : iterable of Manoeuvre
+        What it is told to do, one after the other.
+    rng : Generator
+        Of the world's seed and of the poses' noise.
+    name : str
+        What the recording calls its source.
+    """
     spec = WorldSpec(robot=robot, scene=SceneSpec(), start=Pose2(), seed=int(rng.integers(2**31)))
     world = make_world(spec)
     begun: list[tuple[float, float, float]] = []
     states: list[str] = []
-    for state, left, right, duration in _manoeuvres(rng):
+    for state, left, right, duration in parts:
         begun.append((world.robot.now(), left, right))
         states.append(state)
         world.robot.command(WheelCommand(left, right))

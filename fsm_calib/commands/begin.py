@@ -31,8 +31,15 @@ def demo(
     is_opened: Annotated[
         bool, typer.Option("--open/--no-open", help="Open the page in a browser (on a terminal only).")
     ] = True,
+    is_only_driven: Annotated[
+        bool,
+        typer.Option("--drives-only", help="Only write the drives, as plain CSV tables to try things on."),
+    ] = False,
 ) -> None:
     """Drive a robot with a hidden fault, find the fault, and open the page that tells it."""
+    if is_only_driven:
+        _write_drives(out, seed)
+        return
     from fsm_calib.demo import HIDDEN, drive_demo
     from fsm_calib.diagnosis.diagnose import diagnose
     from fsm_calib.progress.diagnosis import DiagnosisProgress
@@ -57,6 +64,17 @@ def demo(
         webbrowser.open(page.resolve().as_uri())
     if [effect["name"] for effect in plain["effects"]] != [HIDDEN]:
         raise typer.Exit(1)
+
+
+def _write_drives(out: Path, seed: int) -> None:
+    """Write the demo's drives as tables without manifests."""
+    from fsm_calib.demo import SHORT, drive_demo, write_tables
+
+    make_folder(out)
+    drives = drive_demo(seed, seconds=SHORT)
+    for recording in (*drives.learned, drives.judged):
+        commands, poses = write_tables(recording, out, recording.source)
+        typer.echo(f"{commands} and {poses.name}")
 
 
 def make_folder(folder: Path) -> None:
