@@ -55,12 +55,13 @@ def run(scenario: str | Path, out: str | Path = "out", *, seed: int | None = Non
     InputError
         The file is no scenario, or cannot be built.
     """
+    from fsm_calib.report.run_report import run_report
     from fsm_calib.runner.run import run_scenario
 
     loaded = _scenario(scenario)
     if seed is not None:
         loaded = loaded.model_copy(update={"seed": seed})
-    finished = run_scenario(loaded, Path(out))
+    finished = run_scenario(loaded, Path(out), draw=run_report)
     result, rows = finished.result, [("outcome", str(finished.result["outcome"]))]
     camera, wheels = result.get("camera") or {}, result.get("wheels") or {}
     if camera.get("predicted_px") is not None:
@@ -150,9 +151,11 @@ def investigate(
     InputError
         The file is no scenario, or its robot has no tracker.
     """
+    from fsm_calib.commands.investigate import write_files
     from fsm_calib.runner.investigation.run import investigate as investigated
 
-    _, result = investigated(_scenario(scenario), Path(out), given=_read(given))
+    going, result = investigated(_scenario(scenario), Path(out), given=_read(given))
+    write_files(going, result, Path(out))
     rows = [(effect["name"], str(effect["sentence"])) for effect in result.get("effects", ())]
     rows += [("drives", str(len(result["drives"]))), ("files", str(out))]
     return RunAnswer(f"investigation: {result['ended']}", result, tuple(rows), Path(out))

@@ -60,3 +60,11 @@ def test_unknown_names_are_refused() -> None:
         fsm_calib.calibrate_camera(["x.png"], 9, 6, 0.025, kind="photo")
     with pytest.raises(InputError):
         fsm_calib.read_recording("nowhere")
+
+
+def test_run_leaves_its_page_and_its_calibration(tmp_path) -> None:
+    scenario = tmp_path / "focus.yaml"
+    scenario.write_text("name: focus\nplan: [focus]\n")
+    run = fsm_calib.run(scenario, tmp_path / "out")
+    assert run.json["outcome"] == "done"
+    assert (run.directory / "report.html").is_file()
