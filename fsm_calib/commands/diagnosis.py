@@ -27,6 +27,7 @@ from fsm_calib.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from fsm_calib.diagnosis.diagnose import Diagnosis
+    from fsm_calib.diagnosis.own_simulator import OwnSimulator
     from fsm_calib.recording.recording import Recording
 
 
@@ -39,6 +40,7 @@ def diagnose_command(
     recordings: options.Recordings,
     holdout: options.HoldoutOption = None,
     against: options.AgainstOption = None,
+    simulator: options.SimulatorOption = None,
     without: options.WithoutOption = None,
     world: options.WorldOption = None,
     json_file: options.JsonOption = None,
@@ -59,12 +61,13 @@ def diagnose_command(
     _refuse_wrong_use(without or (), (json_file, world), (report, export))
     floor = area_of(area)
     given = world if world is not None and world.exists() else None
-    physics = _physics(given, against or ())
+    called = _simulator(simulator)
+    physics = _physics(given, bool(against or called))
     named = named_by(command, pose, wheels, urdf)
     train, new = recordings_given(recordings, holdout or (), tag_map=tag_map, named=named)
     simulated = recordings_given(against, tag_map=tag_map, named=named)[0] if against else []
     asked = Asked(train, new, tuple(without or ()), seed)
-    result, plain = _beside(asked, simulated) if against else _alone(asked, physics)
+    result, plain = _beside(asked, simulated, called) if against or called else _alone(asked, physics)
     for note in result.notes:
         typer.echo(note, err=True)
     if given is not None:
@@ -99,20 +102,42 @@ def _alone(asked: Asked, physics: dict[str, float] | None) -> tuple[Diagnosis, d
     return result, result.verdict.as_json()
 
 
-def _beside(asked: Asked, simulated: Sequence[Recording]) -> tuple[Diagnosis, dict[str, Any]]:
-    """Diagnose the recordings beside a simulator's; return the real robot's diagnosis and the JSON of both."""
+def _beside(
+    asked: Asked, simulated: Sequence[Recording], called: OwnSimulator | None
+) -> tuple[Diagnosis, dict[str, Any]]:
+    """Diagnose the recordings beside a simulator's; return the real robot's diagnosis and the JSON of both.
+
+    called : the simulator itself, which is driven by the recordings' commands, or None.
+    """
     from fsm_calib.diagnosis.against import diagnose_against
+    from fsm_calib.diagnosis.around import around, simulated_recordings
     from fsm_calib.progress.diagnosis import DiagnosisProgress
     from fsm_calib.world2d.effects import registry
 
     with DiagnosisProgress(2 * len(registry())) as bar:
+        made = simulated_recordings(called, asked.train, asked.seed) if called else []
         found = diagnose_against(
-            asked.train, simulated, asked.new, without=asked.without, progress=bar.part, seed=asked.seed
+            asked.train,
+            [*simulated, *made],
+            asked.new,
+            without=asked.without,
+            progress=bar.part,
+            seed=asked.seed,
         )
-    return found.real, found.as_json()
+        plain = found.as_json()
+        if called:
+            plain["against"]["simulator"] = around(found, called, asked.seed).as_json()
+    return found.real, plain
 
 
-def _physics(world: Path | None, against: Sequence[str]) -> dict[str, float] | None:
+def _simulator(text: str | None) -> OwnSimulator | None:
+    """Return the user's simulator; None where none was named."""
+    from fsm_calib.commands.own_simulator import simulator_of
+
+    return None if text is None else simulator_of(text)
+
+
+def _physics(world: Path | None, beside: bool) -> dict[str, float] | None:
     """Return the physics of the world to compare with, by full name; None for the base robot alone.
 
     Raises
@@ -126,7 +151,7 @@ def _physics(world: Path | None, against: Sequence[str]) -> dict[str, float] | N
     if world is None:
         return None
     physics = physics_of(world)
-    if against:
+    if beside:
         raise InputError("a world and a simulator at once", where="--against", cure="Give one of the two.")
     return physics
 

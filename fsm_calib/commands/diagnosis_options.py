@@ -17,6 +17,13 @@ AgainstOption = Annotated[
     list[str] | None,
     typer.Option(metavar="RECORDING", help="What your simulator drove: say what it lacks; repeatable."),
 ]
+SimulatorOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="MODULE:FUNCTION|PROGRAM",
+        help="Your simulator itself: it is driven by the recordings' commands, and what it lacks is applied around it.",
+    ),
+]
 WithoutOption = Annotated[
     list[str] | None,
     typer.Option(metavar="NAME", help="Leave an effect out of the catalogue; repeatable."),

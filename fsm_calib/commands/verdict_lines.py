@@ -28,10 +28,8 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
     for name in ("holdout", "train"):
         errors = plain["fit"][name]
         if errors:
-            said = [
-                f"{k} {_millimetres(errors[k]['xy_m'])}, {_degrees(errors[k]['theta_rad'])}" for k in errors
-            ]
-            lines.append(f"  {plain['fit']['horizon_s']:g} s error on {name}: {'; '.join(said)}")
+            said = "; ".join(_error(k, errors) for k in errors)
+            lines.append(f"  {plain['fit']['horizon_s']:g} s error on {name}: {said}")
     for rival in plain["rivals"][:3]:
         lines.append(f"  rival {rival['name']}: {rival['evidence_gap']:.0f} behind")
     lines += _would_show(plain["smallest_seen"])
@@ -46,6 +44,9 @@ def _beside_simulator(told: dict[str, Any]) -> list[str]:
     lines += [f"  the simulator lacks: {', '.join(told['lacks'])}"] if told["lacks"] else []
     lines += [f"  it has otherwise: {', '.join(told['otherwise'])}"] if told["otherwise"] else []
     lines += [f"  alike in both: {', '.join(told['alike'])}"] if told["alike"] else []
+    if errors := told.get("simulator"):
+        said = "; ".join(_error(name, errors) for name in ("before", "after", "floor"))
+        lines.append(f"  your simulator on {errors['on']}, what it lacks around it after: {said}")
     for d in told["differences"]:
         if d["z"] is not None and abs(d["z"]) >= CLEAR:
             unit = "" if d["unit"] == "1" else f" {d['unit']}"
@@ -66,6 +67,10 @@ def _would_show(sizes: dict[str, Any]) -> list[str]:
     ]
     text = f"would have been seen from: {', '.join(said)}"
     return textwrap.wrap(text, 110, initial_indent="  ", subsequent_indent="    ") if said else []
+
+
+def _error(name: str, errors: dict[str, Any]) -> str:
+    return f"{name} {_millimetres(errors[name]['xy_m'])}, {_degrees(errors[name]['theta_rad'])}"
 
 
 def _millimetres(value: float | None) -> str:
