@@ -6,7 +6,10 @@ import dataclasses
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from ros_rig import free_port
+
 from fsm_calib.perception.encoded import encode_jpeg
+from fsm_calib.robots.dtps.served_node import DtpsServedNode
 from fsm_calib.robots.ros1.served_node import ServedNode
 from fsm_calib.robots.served.settings import ServeSettings
 from fsm_calib.runner.connecting import with_robot
@@ -16,13 +19,31 @@ from fsm_calib.world2d.robot import make_world
 
 
 @contextmanager
+def served_dtps(scenario: Scenario, **settings: float) -> Iterator[tuple[DtpsServedNode, Scenario]]:
+    """Serve the scenario's robot behind a DTPS switchboard; yield it, and the scenario for a client."""
+    robot, port = dataclasses.replace(ServeSettings(), **settings), free_port()
+    node = DtpsServedNode(
+        make_world(world_of(scenario)), robot, "127.0.0.1", port, "duckie", encode_jpeg, lockstep=True
+    )
+    try:
+        yield node, _for_client(scenario, f"dtps://127.0.0.1:{port}/duckie")
+    finally:
+        node.close()
+
+
+def _for_client(scenario: Scenario, address: str) -> Scenario:
+    """Return the scenario of a client in lockstep."""
+    real = with_robot(scenario, address).robot
+    link = real.link.model_copy(update={"lockstep": True})
+    return scenario.model_copy(update={"robot": real.model_copy(update={"link": link})})
+
+
+@contextmanager
 def served(scenario: Scenario, master: str, **settings: float) -> Iterator[tuple[ServedNode, Scenario]]:
     """Serve the scenario's robot; yield it, and the scenario for a client."""
     robot = dataclasses.replace(ServeSettings(), **settings)
     node = ServedNode(make_world(world_of(scenario)), robot, master, "duckie", encode_jpeg, lockstep=True)
-    real = with_robot(scenario, master.replace("http", "ros1") + "duckie").robot
-    link = real.link.model_copy(update={"lockstep": True})
     try:
-        yield node, scenario.model_copy(update={"robot": real.model_copy(update={"link": link})})
+        yield node, _for_client(scenario, master.replace("http", "ros1") + "duckie")
     finally:
         node.close()

@@ -55,7 +55,7 @@ def test_an_acknowledgement_that_is_late_on_this_machine_is_not_taken_for_somebo
     inbox = LateInbox()
     robot = Robot(inbox, step=0.01)
     guard = Guard(SETUP, robot, inbox)
-    stepping = Stepping(guard, robot, robot, SETUP)
+    stepping = Stepping(guard, robot, SETUP)
     for _ in range(3):
         stepping.obey(["run", 1, 0.2, 0.2, 1.0])
         stepping.obey(["wait", 2, 4.0, False])
@@ -67,7 +67,7 @@ def test_a_command_of_somebody_else_still_stops_it() -> None:
     inbox = LateInbox()
     robot = Robot(inbox, step=0.01)
     guard = Guard(SETUP, robot, inbox)
-    stepping = Stepping(guard, robot, robot, SETUP)
+    stepping = Stepping(guard, robot, SETUP)
     robot.send(WheelCommand(-0.7, 0.7))
     stepping.obey(["wait", 1, 0.1, False])
     assert guard.rules.stopped is not None

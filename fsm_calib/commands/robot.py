@@ -5,14 +5,16 @@ from __future__ import annotations
 import contextlib
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from fsm_calib.errors import InputError, LinkLost
 
 if TYPE_CHECKING:
+    from fsm_calib.robots.address import RobotAddress
     from fsm_calib.robots.ros1.master import Master
+    from fsm_calib.scenario.models import Scenario
 
 robot_app = typer.Typer(no_args_is_help=True, help="Serve a simulated Duckiebot; check a real one.")
 
@@ -26,41 +28,74 @@ def register(app: typer.Typer) -> None:
 def serve(
     scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)],
     host: Annotated[str, typer.Option(help="Where to listen.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="Port of the ROS master.")] = 11311,
+    port: Annotated[
+        int | None,
+        typer.Option(help="Port of the ROS master (11311) or switchboard (11511).", show_default=False),
+    ] = None,
     seed: Annotated[
         int | None, typer.Option(help="Another seed than the scenario's.", show_default=False)
     ] = None,
     lockstep: Annotated[
         bool, typer.Option("--lockstep", help="Let time pass only when a client asks for it.")
     ] = False,
+    dtps: Annotated[
+        bool, typer.Option("--dtps", help="Speak DTPS, as robots with ente do, in place of ROS 1.")
+    ] = False,
 ) -> None:
-    """Serve the scenario's simulated robot as a Duckiebot with ROS 1; `robot.serve` holds its delays and losses."""
+    """Serve the scenario's simulated robot as a Duckiebot; `robot.serve` holds its delays and losses."""
     from fsm_calib.commands.run import read_scenario, with_seed
-    from fsm_calib.perception.encoded import encode_jpeg
-    from fsm_calib.robots.ros1.served_node import ServedNode
+    from fsm_calib.robots.address import PORTS, RobotAddress
     from fsm_calib.runner.run import Stopped, stop_on_signals
-    from fsm_calib.scenario.world import world_of
-    from fsm_calib.world2d.robot import make_world
 
     loaded = with_seed(read_scenario(scenario), seed)
     vehicle = (loaded.robot.vehicle or loaded.robot.name).replace("-", "_")
-    master = _own_master(host, port)
-    served = ServedNode(
-        make_world(world_of(loaded)),
-        loaded.robot.serve.build(),
-        f"http://{host}:{port}/",
-        vehicle,
-        encode_jpeg,
-        lockstep,
-    )
-    own = "" if master is None else " with its own ROS master"
-    typer.echo(f"{vehicle} stands in {loaded.name}{own}. Drive it with:", err=True)
-    typer.echo(f"fsm-calib run {scenario} --robot ros1://{host}:{port}/{vehicle}")
-    with contextlib.suppress(Stopped), stop_on_signals():
-        threading.Event().wait()
-    served.close()
+    kind: Literal["ros1", "dtps"] = "dtps" if dtps else "ros1"
+    address = RobotAddress(kind, host, port or PORTS[kind], vehicle)
+    with contextlib.ExitStack() as serving:
+        own = (
+            _serve_dtps(serving, loaded, address, lockstep)
+            if dtps
+            else _serve_ros1(serving, loaded, address, lockstep)
+        )
+        typer.echo(f"{vehicle} stands in {loaded.name}{own}. Drive it with:", err=True)
+        typer.echo(f"fsm-calib run {scenario} --robot {address}")
+        with contextlib.suppress(Stopped), stop_on_signals():
+            threading.Event().wait()
+
+
+def _serve_ros1(
+    serving: contextlib.ExitStack, scenario: Scenario, address: RobotAddress, lockstep: bool
+) -> str:
+    """Begin to serve with ROS 1; return what to say of its master."""
+    from fsm_calib.perception.encoded import encode_jpeg
+    from fsm_calib.robots.ros1.served_node import ServedNode
+    from fsm_calib.scenario.world import world_of
+    from fsm_calib.world2d.robot import make_world
+
+    master = _own_master(address.host, address.port)
     if master is not None:
-        master.close()
+        serving.callback(master.close)
+    world, settings = make_world(world_of(scenario)), scenario.robot.serve.build()
+    served = ServedNode(world, settings, address.url, address.vehicle, encode_jpeg, lockstep)
+    serving.callback(served.close)
+    return "" if master is None else " with its own ROS master"
+
+
+def _serve_dtps(
+    serving: contextlib.ExitStack, scenario: Scenario, address: RobotAddress, lockstep: bool
+) -> str:
+    """Begin to serve with DTPS; return what to say of its switchboard."""
+    from fsm_calib.perception.encoded import encode_jpeg
+    from fsm_calib.robots.dtps.served_node import DtpsServedNode
+    from fsm_calib.scenario.world import world_of
+    from fsm_calib.world2d.robot import make_world
+
+    world, settings = make_world(world_of(scenario)), scenario.robot.serve.build()
+    served = DtpsServedNode(
+        world, settings, address.host, address.port, address.vehicle, encode_jpeg, lockstep
+    )
+    serving.callback(served.close)
+    return " with its own switchboard"
 
 
 @robot_app.command()
@@ -87,7 +122,7 @@ def check(
     address = parse_address(robot)
     if address.kind != "ros1":
         raise InputError(
-            "only ROS 1 robots can be checked", where="--robot", cure="Give ros1://HOST/VEHICLE."
+            "only robots with ROS 1 can be checked", where="--robot", cure="Give ros1://HOST/VEHICLE."
         )
     typer.echo("The robot will turn and move by some centimetres. Stand it on the floor.", err=True)
     if not yes and not typer.confirm("Start?", err=True):

@@ -50,7 +50,9 @@ def connect(scenario: Scenario, spec: WorldSpec) -> Connection:
         from fsm_calib.robots.ros1.connect import connect_ros1
 
         return connect_ros1(setup, decode_colour)
-    raise InputError("DTPS robots cannot be driven yet", where="robot.connect", cure="Use ros1.")
+    from fsm_calib.robots.dtps.connect import connect_dtps
+
+    return connect_dtps(setup, decode_colour)
 
 
 def refuse_truth(scenario: Scenario) -> None:

@@ -6,28 +6,21 @@ import time
 from queue import Empty
 from typing import Any
 
-from fsm_calib.errors import LinkLost, RobotLost
+from fsm_calib.errors import RobotLost
 from fsm_calib.robots.guard.outlet import Event
 from fsm_calib.robots.guard.process import Guard, tell
 from fsm_calib.robots.guard.setup import GuardSetup
-from fsm_calib.robots.ros1.outlet import Ros1Outlet
-from fsm_calib.robots.ros1.stepper import Stepper
-from fsm_calib.robots.ros1.topics import Topics
+from fsm_calib.robots.stepper import Stepper
 from fsm_calib.types import STOP, WheelCommand
 
-CONNECT = 60.0
-"""Longest wait for the driver's acknowledgements to be connected [s]."""
 ECHO_WAIT = 30.0
 """Longest wait for an acknowledgement that is on its way [s]: a loaded machine only takes longer."""
 
 
 def serve_in_lockstep(guard: Guard, setup: GuardSetup) -> None:
     """Guard until the program ends: every ``run`` and ``wait`` is a stretch of the robot's time."""
-    outlet = guard.outlet
-    if not isinstance(outlet, Ros1Outlet):
-        raise TypeError("only a ROS 1 robot is served in lockstep")
-    stepping = Stepping(guard, outlet, Stepper(outlet.node, Topics(setup.address.vehicle)), setup)
-    stepping.begin(Topics(setup.address.vehicle).executed)
+    stepping = Stepping(guard, guard.outlet.stepper(), setup)
+    stepping.begin()
     while not guard.ended:
         event = guard.inbox.get()
         try:
@@ -44,26 +37,15 @@ def serve_in_lockstep(guard: Guard, setup: GuardSetup) -> None:
 class Stepping:
     """The lines of the program, in the robot's time."""
 
-    def __init__(self, guard: Guard, outlet: Ros1Outlet, stepper: Stepper, setup: GuardSetup) -> None:
-        self._guard, self._outlet, self._stepper = guard, outlet, stepper
+    def __init__(self, guard: Guard, stepper: Stepper, setup: GuardSetup) -> None:
+        self._guard, self._outlet, self._stepper = guard, guard.outlet, stepper
         self._resend = setup.settings.resend
         self.step = float(stepper.said["step"])
         self.now = float(stepper.said["time"])
         self._echoes = 0
 
-    def begin(self, topic: str) -> None:
-        """Let the first step pass, once acknowledgements on `topic` are heard; earlier ones were another's.
-
-        Raises
-        ------
-        LinkLost
-            The driver's acknowledgements are not connected.
-        """
-        end = time.monotonic() + CONNECT
-        while not self._outlet.node.subscribers[topic].connected:
-            if time.monotonic() > end:
-                raise LinkLost(f"nothing publishes {topic}")
-            time.sleep(0.01)
+    def begin(self) -> None:
+        """Let the first step pass; acknowledgements of what came before were another's."""
         self.now = self._stepper.step(self.now + self.step, 0, False)
         self._drain()
         self._echoes = int(self._stepper.said["executed"])

@@ -6,6 +6,7 @@ from queue import Queue
 from typing import Any, Protocol
 
 from fsm_calib.robots.guard.setup import GuardSetup
+from fsm_calib.robots.stepper import Stepper
 from fsm_calib.types import WheelCommand
 
 Event = tuple[Any, ...]
@@ -23,19 +24,38 @@ class Outlet(Protocol):
         """Raise `EmergencyStopped` when somebody else publishes wheel commands."""
         ...
 
+    @property
+    def sent(self) -> int:
+        """Commands sent so far."""
+        ...
+
+    def stepper(self) -> Stepper:
+        """Return what lets a served robot's time pass, once its acknowledgements are heard.
+
+        Raises
+        ------
+        LinkLost
+            Nobody serves steps.
+        """
+        ...
+
     def close(self) -> None:
         """End the connection."""
         ...
 
 
 def open_outlet(setup: GuardSetup, inbox: Queue[Event]) -> Outlet:
-    """Return the outlet for a guard's robot, one with ROS 1.
+    """Return the outlet for a guard's robot.
 
     Raises
     ------
     RobotLost
         The robot does not answer, or somebody else drives it.
     """
+    if setup.address.kind == "dtps":
+        from fsm_calib.robots.dtps.outlet import DtpsOutlet
+
+        return DtpsOutlet(setup.address, inbox)
     from fsm_calib.robots.ros1.outlet import Ros1Outlet
 
     return Ros1Outlet(setup.address, inbox)

@@ -17,6 +17,8 @@ REMEMBERED = 2.0
 """An acknowledgement is ours when we sent the same command within this [s]."""
 SAME = 1e-4
 """Commands are the same within this [1]: they travel as 32 bit numbers."""
+RELEASED = 0.25
+"""A driver may release a wheel whose command is no larger than this [1]: ente's does up to 0.2."""
 HUNG_CURE = "Close other programs; see that the computer does not sleep."
 SILENT_CURE = "Check the network and that the wheel driver runs."
 FOREIGN_CURE = "Stop the joystick, the virtual joystick and the lane following on the robot."
@@ -125,5 +127,6 @@ class Rules:
             self.stop("EmergencyStopped", problem, cure)
 
 
-def _same(one: WheelCommand, other: WheelCommand) -> bool:
-    return abs(one.left - other.left) <= SAME and abs(one.right - other.right) <= SAME
+def _same(executed: WheelCommand, sent: WheelCommand) -> bool:
+    sides = ((executed.left, sent.left), (executed.right, sent.right))
+    return all(abs(one - other) <= SAME or (one == 0.0 and abs(other) <= RELEASED) for one, other in sides)

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.errors import RobotLost
+from fsm_calib.robots.camera import Decode
 from fsm_calib.robots.guard.setup import GuardSetup
-from fsm_calib.robots.ros1.camera import Decode
 from fsm_calib.robots.ros1.messages import BOOL, IMAGE, TICK, WHEELS, message_type
 from fsm_calib.robots.ros1.node import Node
 from fsm_calib.robots.ros1.robot import Ros1Robot

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fsm_calib.robots.battery import refuse_flat
+from fsm_calib.robots.camera import Decode
 from fsm_calib.robots.connection import Connection
 from fsm_calib.robots.guard.setup import GuardSetup
-from fsm_calib.robots.ros1.camera import Decode
 from fsm_calib.robots.ros1.robot import Ros1Robot
 from fsm_calib.robots.ros1.state import StateTeller
 from fsm_calib.robots.ros1.store import store_calibration
@@ -29,10 +29,10 @@ def connect_ros1(setup: GuardSetup, decode: Decode) -> Connection:
     def track() -> FloatArray:
         return np.array(robot.guard.path, dtype=float).reshape(-1, 4)
 
-    teller = StateTeller(robot.node, robot.topics)
+    teller = StateTeller(robot.joined, robot.topics)
 
     def store(camera: CameraModel | None, wheels: WheelCalibration | None) -> list[str]:
-        return store_calibration(robot.node, robot.topics, camera, wheels)
+        return store_calibration(robot.joined, robot.topics, camera, wheels)
 
     return Connection(
         robot, None, lambda: list(robot.guard.pose), track, robot.close, tell=teller.tell, store=store

@@ -12,14 +12,18 @@ from queue import Queue
 from fsm_calib.errors import EmergencyStopped, LinkLost
 from fsm_calib.robots.address import RobotAddress
 from fsm_calib.robots.guard.outlet import Event
-from fsm_calib.robots.ros1.messages import BOOL, TICK, WHEELS, message_type
+from fsm_calib.robots.ros1.messages import BOOL, TEXT, TICK, WHEELS, message_type
 from fsm_calib.robots.ros1.node import Node
+from fsm_calib.robots.ros1.publisher import Publisher
 from fsm_calib.robots.ros1.subscriber import Listener
 from fsm_calib.robots.ros1.topics import OTHER_DRIVERS, Topics
+from fsm_calib.robots.stepper import Stepper
 from fsm_calib.types import WheelCommand
 
 CONNECT = 10.0
 """Longest wait for the wheel driver to connect to us [s]."""
+STEPS = 60.0
+"""Longest wait for a served robot in lockstep to be connected [s]."""
 PROGRAM_NAME = "fsm_calib"
 """The program's node, which can put the wheels to zero when its guard dies."""
 GUARD_NAME = "fsm_calib_guard"
@@ -137,15 +141,36 @@ class Ros1Outlet:
         self._inbox.put(("lost", "The ROS master has gone"))
 
     @property
-    def node(self) -> Node:
-        """The guard's node."""
-        return self._node
-
-    @property
     def sent(self) -> int:
         """Commands sent so far."""
         return self._publisher.sent
 
+    def stepper(self) -> Stepper:
+        """Return what lets a served robot's time pass; see `guard.outlet.Outlet`.
+
+        Raises
+        ------
+        LinkLost
+            Nobody serves steps.
+        """
+        node, topics, text = self._node, self._topics, message_type(TEXT)
+        asking = node.publish(topics.step, TEXT)
+        stepper = Stepper(lambda question: _ask(asking, question))
+        node.subscribe(topics.stepped, TEXT, lambda body: stepper.hear(text.decode(body).data))
+        end = time.monotonic() + STEPS
+        heard = (topics.stepped, topics.executed)
+        while not (asking.listeners and all(node.subscribers[topic].connected for topic in heard)):
+            if time.monotonic() > end:
+                cure = "Start it with: fsm-calib robot serve --lockstep"
+                raise LinkLost("the robot serves no steps", cure=cure)
+            time.sleep(0.01)
+        return stepper
+
     def close(self) -> None:
         """Leave the graph."""
         self._node.close()
+
+
+def _ask(publisher: Publisher, question: str) -> None:
+    """Publish a question of a stepper."""
+    publisher.publish(message_type(TEXT).make(data=question))

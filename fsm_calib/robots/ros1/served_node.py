@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -27,13 +26,10 @@ from fsm_calib.robots.ros1.node import Node
 from fsm_calib.robots.ros1.topics import Topics
 from fsm_calib.robots.served.duckiebot import RESOLUTION, ServedDuckiebot
 from fsm_calib.robots.served.settings import ServeSettings
+from fsm_calib.robots.served.station import Station
 from fsm_calib.types import WheelCalibration, WheelCommand
 from fsm_calib.world2d.robot import World
 
-COMMAND_WAIT = 10.0
-"""Longest wait for a command that a step says is on its way [s]."""
-CHUNK = 0.002
-"""In real time the world is moved on so often [s]."""
 PARAMETERS = ("gain", "trim", "baseline", "radius", "k", "limit", "v_max", "omega_max")
 """Parameters of Duckietown's kinematics_node that its service saves."""
 
@@ -72,21 +68,24 @@ class ServedNode:
         lockstep: bool = False,
     ) -> None:
         self.node = Node(f"/{vehicle}/duckiebot", master)
-        self.topics, self._encode, self._lockstep = Topics(vehicle), encode, lockstep
-        self._changed = threading.Condition()
-        self._received = 0
-        self._closed = False
-        self.last_received = WheelCommand()
+        self.topics, self._encode = Topics(vehicle), encode
         self.saved: dict[str, Any] = {}
-        self.robot = ServedDuckiebot(world, settings, self)
-        self.robot.is_watched = not lockstep
-        self._began = time.monotonic()
+        self.station = Station(world, settings, self, lockstep)
         self._offset = 0.0 if lockstep else time.time()
         self._parameters()
         self._publish()
         self._listen()
-        if not lockstep:
-            threading.Thread(target=self._run, daemon=True, name="robot").start()
+        self.station.start()
+
+    @property
+    def robot(self) -> ServedDuckiebot:
+        """The robot that is served."""
+        return self.station.robot
+
+    @property
+    def last_received(self) -> WheelCommand:
+        """The wheel command that arrived last."""
+        return self.station.last_received
 
     def _parameters(self) -> None:
         """Set the kinematics as a robot has them from the factory."""
@@ -117,41 +116,22 @@ class ServedNode:
     def _take(self, body: bytes) -> None:
         """A wheel command arrives."""
         message = message_type(WHEELS).decode(body)
-        command = WheelCommand(float(message.vel_left), float(message.vel_right))
-        with self._changed:
-            self.last_received = command
-            self._received += 1
-            self.robot.take(command)
-            self._changed.notify_all()
+        self.station.take(WheelCommand(float(message.vel_left), float(message.vel_right)))
 
     def _stop(self, body: bytes) -> None:
-        """The emergency stop sets a flag: it acts at the next command, as on the robot."""
-        with self._changed:
-            self.robot.is_stopped = bool(message_type(BOOL).decode(body).data)
+        """The emergency stop is pressed or released."""
+        self.station.stop(bool(message_type(BOOL).decode(body).data))
 
     def _step(self, body: bytes) -> None:
         """Let time pass as a client in lockstep asks, and answer."""
-        question = json.loads(message_type(TEXT).decode(body).data)
-        with self._changed:
-            if question["commands"] == 0:
-                self._received = 0  # a new client counts from nothing
-            self._changed.wait_for(lambda: self._received >= question["commands"], COMMAND_WAIT)
-            self.robot.is_watched = bool(question["look"])
-            self.robot.run_until(question["until"])
-            answer = {
-                "time": self.robot.now,
-                "step": self.robot.world.spec.settings.step,
-                "frame": self.robot.last_frame,
-                "executed": self.robot.applied,
-            }
-        self._stepped.publish(message_type(TEXT).make(data=json.dumps(answer)))
+        text = message_type(TEXT)
+        self.station.step(
+            json.loads(text.decode(body).data),
+            lambda said: self._tell_step(json.dumps(said)),
+        )
 
-    def _run(self) -> None:
-        """Let time pass as on the wall."""
-        while not self._closed:
-            with self._changed:
-                self.robot.run_until(time.monotonic() - self._began)
-            time.sleep(CHUNK)
+    def _tell_step(self, said: str) -> None:
+        self._stepped.publish(message_type(TEXT).make(data=said))
 
     def frame(self, number: int, stamp: float, image: NDArray[np.uint8]) -> None:
         """Publish a frame; see `served.duckiebot.Outlet`."""
@@ -191,5 +171,5 @@ class ServedNode:
 
     def close(self) -> None:
         """End it."""
-        self._closed = True
+        self.station.close()
         self.node.close()

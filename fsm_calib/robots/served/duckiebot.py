@@ -114,7 +114,8 @@ class ServedDuckiebot:
         self._turn_wheels()
         acting = asked
         if self.settings.pwm_steps:
-            acting = WheelCommand(floored(asked.left), floored(asked.right))
+            least = self.settings.dead_zone
+            acting = WheelCommand(floored(asked.left, least), floored(asked.right, least))
         for side, value in enumerate((acting.left, acting.right)):
             if value != 0.0:
                 self._held_sign[side] = math.copysign(1.0, value)

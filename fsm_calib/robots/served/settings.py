@@ -27,6 +27,8 @@ class ServeSettings:
         The robot's clock minus this computer's [s].
     pwm_steps : bool
         The driver floors commands to whole PWM numbers, as Duckietown's does.
+    dead_zone : float
+        Commands up to this release the wheel [1]; daffy 0.01, ente 0.2.
     """
 
     rate: float = 30.0
@@ -39,6 +41,7 @@ class ServeSettings:
     late_by: float = 0.08
     clock_offset: float = 0.0
     pwm_steps: bool = True
+    dead_zone: float = 0.01
 
     def __post_init__(self) -> None:
         """Refuse what no robot is.
@@ -53,6 +56,6 @@ class ServeSettings:
         for name in ("camera_latency", "camera_jitter", "command_latency", "command_jitter", "late_by"):
             if not 0.0 <= getattr(self, name) <= 2.0:
                 raise InputError(f"{name} is {getattr(self, name):g} s", where=name, cure="Give 0 to 2.")
-        for name in ("dropped", "late"):
+        for name in ("dropped", "late", "dead_zone"):
             if not 0.0 <= getattr(self, name) < 1.0:
                 raise InputError(f"{name} is {getattr(self, name):g}", where=name, cure="Give 0 to below 1.")

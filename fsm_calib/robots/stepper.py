@@ -9,13 +9,10 @@ from __future__ import annotations
 
 import json
 import threading
-import time
+from collections.abc import Callable
 from typing import Any
 
 from fsm_calib.errors import LinkLost
-from fsm_calib.robots.ros1.messages import TEXT, message_type
-from fsm_calib.robots.ros1.node import Node
-from fsm_calib.robots.ros1.topics import Topics
 
 ANSWER = 60.0
 """Longest wait for a step [s]: a robot that draws many frames on a loaded machine."""
@@ -24,29 +21,21 @@ ANSWER = 60.0
 class Stepper:
     """Asks a served robot to let its time pass.
 
-    Raises
-    ------
-    LinkLost
-        Nobody serves steps.
+    Parameters
+    ----------
+    ask : callable
+        Sends a question to the robot; its answers come to `hear`.
     """
 
-    def __init__(self, node: Node, topics: Topics) -> None:
+    def __init__(self, ask: Callable[[str], None]) -> None:
         self._changed = threading.Condition()
         self.said: dict[str, Any] = {"time": 0.0, "step": 0.002, "frame": -1, "executed": 0}
-        self._count = 0
-        node.subscribe(topics.stepped, TEXT, self._hear)
-        self._publisher = node.publish(topics.step, TEXT)
-        end = time.monotonic() + ANSWER / 4
-        while not (self._publisher.listeners and node.subscribers[topics.stepped].connected):
-            if time.monotonic() > end:
-                raise LinkLost(
-                    "the robot serves no steps", cure="Start it with: fsm-calib robot serve --lockstep"
-                )
-            time.sleep(0.01)
+        self._count, self._ask = 0, ask
 
-    def _hear(self, body: bytes) -> None:
+    def hear(self, text: str) -> None:
+        """Take an answer."""
         with self._changed:
-            self.said = json.loads(message_type(TEXT).decode(body).data)
+            self.said = json.loads(text)
             self._count += 1
             self._changed.notify_all()
 
@@ -60,8 +49,8 @@ class Stepper:
         """
         with self._changed:
             before = self._count
-            question = {"until": until, "commands": commands, "look": look}
-            self._publisher.publish(message_type(TEXT).make(data=json.dumps(question)))
+        self._ask(json.dumps({"until": until, "commands": commands, "look": look}))
+        with self._changed:
             if not self._changed.wait_for(lambda: self._count > before, ANSWER):
                 raise LinkLost(f"the served robot did not step to {until:g} s within {ANSWER:g} s")
             return float(self.said["time"])

@@ -1,0 +1,1 @@
+"""Duckiebots with DTPS (Duckietown's ente), by Duckietown's own client library: the extra ``[dtps]``."""

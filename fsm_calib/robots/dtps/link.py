@@ -1,0 +1,119 @@
+"""A connection to a DTPS switchboard: the library's event loop in a thread of its own, behind plain calls."""
+
+from __future__ import annotations
+
+import asyncio
+import concurrent.futures
+import contextlib
+import threading
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+from fsm_calib.errors import LinkLost
+from fsm_calib.robots.dtps.library import load, message
+
+PATIENCE = 10.0
+"""Longest wait for the switchboard when a connection is made [s]."""
+SEND = 1.0
+"""Longest wait for a message to be taken [s]."""
+CURE = "Check that the robot is on and that both are in one network; its switchboard may listen on 11511 or 11911."
+
+Send = Callable[[Any], None]
+"""Publishes one message; raises `LinkLost`."""
+
+
+class DtpsLink:
+    """One switchboard, and the topics below a vehicle's name.
+
+    Parameters
+    ----------
+    url : str
+        The switchboard's; ``create:`` before it makes one.
+    vehicle : str
+        What topics begin with.
+
+    Raises
+    ------
+    InputError
+        The library is not installed.
+    LinkLost
+        The switchboard does not answer.
+    """
+
+    def __init__(self, url: str, vehicle: str) -> None:
+        dtps = load("dtps")
+        self._url = url
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True, name="dtps")
+        self._thread.start()
+        self._closed = False
+        try:
+            self._top = self.do(dtps.context("calibration", urls=[url]), PATIENCE)
+        except LinkLost:
+            self._end_loop()
+            raise
+        self._root = self._top / vehicle
+
+    def do(self, work: Coroutine[Any, Any, Any], timeout: float) -> Any:
+        """Return what the library's coroutine returns.
+
+        Raises
+        ------
+        LinkLost
+            It fails, or does not end within `timeout` [s].
+        """
+        future = asyncio.run_coroutine_threadsafe(work, self._loop)
+        try:
+            return future.result(timeout)
+        except concurrent.futures.TimeoutError as error:
+            future.cancel()
+            raise LinkLost(f"{self._url} did not answer within {timeout:g} s", cure=CURE) from error
+        except Exception as error:  # the library raises bare ones; whatever it says, the link is of no use
+            raise LinkLost(f"{self._url}: {error or type(error).__name__}", cure=CURE) from error
+
+    def exists(self, topic: str) -> bool:
+        """Tell whether a topic is there.
+
+        Raises
+        ------
+        LinkLost
+            The switchboard does not answer.
+        """
+        return bool(self.do((self._root / topic).exists(), PATIENCE))
+
+    def create(self, topic: str, length: int) -> None:
+        """Create a topic that keeps `length` messages."""
+        bounds = load("dtps_http").Bounds.max_length(length)
+        self.do((self._root / topic).queue_create(bounds=bounds), PATIENCE)
+
+    def subscribe(self, topic: str, kind: str, listener: Callable[[Any], None]) -> None:
+        """Hand every message of a topic to `listener`, in the library's thread."""
+        decode = message(kind).from_rawdata
+
+        async def hear(raw: Any) -> None:
+            listener(decode(raw))
+
+        self.do((self._root / topic).subscribe(hear), PATIENCE)
+
+    def publisher(self, topic: str) -> Send:
+        """Return what publishes on a topic."""
+        publisher = self.do((self._root / topic).publisher(), PATIENCE)
+
+        def send(item: Any) -> None:
+            self.do(publisher.publish(item.to_rawdata()), SEND)
+
+        return send
+
+    def close(self) -> None:
+        """End the connection; may be called twice."""
+        if self._closed:
+            return
+        self._closed = True
+        with contextlib.suppress(LinkLost):  # nobody may be left at the other end
+            self.do(self._top.aclose(), PATIENCE)
+        self._end_loop()
+
+    def _end_loop(self) -> None:
+        """End the library's thread."""
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(PATIENCE)

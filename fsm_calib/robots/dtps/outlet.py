@@ -1,0 +1,107 @@
+"""The wheels of a Duckiebot with DTPS: commands out, acknowledgements, encoders and stops in.
+
+The driver acknowledges the PWM that it applied, not the command; see `guard.pwm.command_of`. Who publishes cannot be
+asked for: a foreign driver is noticed by its acknowledgements.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from queue import Queue
+from typing import Any
+
+from fsm_calib.errors import LinkLost
+from fsm_calib.robots.address import RobotAddress
+from fsm_calib.robots.dtps.library import message
+from fsm_calib.robots.dtps.link import DtpsLink
+from fsm_calib.robots.dtps.topics import NAMES, RESOLUTION
+from fsm_calib.robots.guard.outlet import Event
+from fsm_calib.robots.guard.pwm import command_of
+from fsm_calib.robots.stepper import Stepper
+from fsm_calib.types import WheelCommand
+
+
+class DtpsOutlet:
+    """A client that publishes wheel commands and listens to what becomes of them; see `guard.outlet.Outlet`.
+
+    Raises
+    ------
+    LinkLost
+        No switchboard, or no wheel driver behind it.
+    """
+
+    def __init__(self, address: RobotAddress, inbox: Queue[Event]) -> None:
+        self._inbox, self._sent = inbox, 0
+        self._command = message("pwm")
+        self._link = DtpsLink(address.url, address.vehicle)
+        try:
+            if not self._link.exists(NAMES["wheels"]):
+                cure = "Check the vehicle's name, and that its wheel driver runs."
+                raise LinkLost(f"{address} has no {NAMES['wheels']}", cure=cure)
+            self._publish = self._link.publisher(NAMES["wheels"])
+            self._listen()
+        except BaseException:
+            self._link.close()
+            raise
+
+    def _listen(self) -> None:
+        """Hear acknowledgements, and encoders and stops where the robot has them."""
+
+        def executed(item: Any) -> None:
+            command = WheelCommand(command_of(item.left), command_of(item.right))
+            self._inbox.put(("executed", command))
+
+        def stopped(item: Any) -> None:
+            if item.data:
+                self._inbox.put(("estop", "The emergency stop was pressed"))
+
+        self._link.subscribe(NAMES["executed"], "pwm", executed)
+        listeners: dict[str, tuple[str, Callable[[Any], None]]] = {
+            "emergency_stop": ("bool", stopped),
+            "estop": ("bool", stopped),
+            "left_tick": ("integer", self._encoder("left")),
+            "right_tick": ("integer", self._encoder("right")),
+        }
+        for name, (kind, listener) in listeners.items():
+            if self._link.exists(NAMES[name]):
+                self._link.subscribe(NAMES[name], kind, listener)
+
+    def _encoder(self, side: str) -> Callable[[Any], None]:
+        """Return the listener of one wheel's encoder."""
+        return lambda item: self._inbox.put(("angle", side, item.data * 2.0 * math.pi / RESOLUTION))
+
+    def send(self, command: WheelCommand) -> None:
+        """Publish a command; nobody to take it is a lost link."""
+        self._sent += 1
+        try:
+            self._publish(self._command(left=command.left, right=command.right))
+        except LinkLost as lost:
+            self._inbox.put(("lost", lost.problem))
+
+    def check_alone(self) -> None:
+        """Check nothing: a switchboard does not tell who publishes."""
+
+    @property
+    def sent(self) -> int:
+        """Commands sent so far."""
+        return self._sent
+
+    def stepper(self) -> Stepper:
+        """Return what lets a served robot's time pass; see `guard.outlet.Outlet`.
+
+        Raises
+        ------
+        LinkLost
+            Nobody serves steps.
+        """
+        if not self._link.exists(NAMES["step"]):
+            raise LinkLost("the robot serves no steps", cure="Serve it in lockstep.")
+        text, ask = message("text"), self._link.publisher(NAMES["step"])
+        stepper = Stepper(lambda question: ask(text(data=question)))
+        self._link.subscribe(NAMES["stepped"], "text", lambda item: stepper.hear(item.data))
+        return stepper
+
+    def close(self) -> None:
+        """Leave the switchboard."""
+        self._link.close()

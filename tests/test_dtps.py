@@ -1,0 +1,81 @@
+"""A calibration through DTPS, against the server of Duckietown's own library; skipped where that is not installed."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from served_robot import served_dtps
+
+from fsm_calib.errors import InputError, LinkLost
+from fsm_calib.robots.guard.pwm import Dither, command_of, floored, level_of
+from fsm_calib.runner.connecting import with_robot
+from fsm_calib.runner.run import run_scenario
+from fsm_calib.scenario.load import scenario_from
+from fsm_calib.scenario.models import Scenario
+from fsm_calib.scenario.yaml_source import parse_yaml
+from fsm_calib.types import STOP
+from fsm_calib.world2d.deviation import straight_deviation
+
+ENTE = {"dead_zone": 0.2, "dropped": 0.1}
+
+
+def need_library() -> None:
+    pytest.importorskip("dtps", reason="dtps-http is not installed (pip install 'fsm-calib[dtps]')")
+    pytest.importorskip("duckietown_messages", reason="duckietown-messages is not installed")
+
+
+def scenario(plan: str = "[orientation, wheels]") -> Scenario:
+    text = f"""
+name: wheels
+seed: 3
+robot: {{source: nominal, wheel_ratio: 1.05}}
+plan: {plan}
+output: {{report: false, recording: false, bag: none, frames: 0}}
+"""
+    return scenario_from(parse_yaml(text))
+
+
+@pytest.mark.parametrize("command", [0.012, 0.2, -0.23, 0.5, 0.999])
+def test_the_level_that_a_driver_acknowledges_tells_the_command_that_was_sent(command: float) -> None:
+    sent = Dither()(command)
+    assert command_of(level_of(floored(sent))) == pytest.approx(sent, abs=1e-9)
+
+
+def test_a_released_wheel_is_acknowledged_as_zero() -> None:
+    assert command_of(level_of(floored(0.19, 0.2))) == 0.0
+
+
+def test_a_wheels_run_through_the_librarys_own_server_is_done_within_10_cm(tmp_path: Path) -> None:
+    need_library()
+    with served_dtps(scenario(), **ENTE) as (node, client):
+        finished = run_scenario(client, tmp_path)
+        result, truth = finished.result, node.station.robot.world.truth
+        assert result["outcome"] == "done", result
+        assert abs(straight_deviation(truth.parameters, result["wheels"]["wheel_ratio"])) < 0.10
+        assert node.station.last_received == STOP
+    assert "true_" not in (tmp_path / "result.json").read_text()
+    assert (tmp_path / "calibrations" / "kinematics" / "duckie.yaml").exists()
+
+
+def test_a_robot_that_does_not_answer_is_a_lost_link(tmp_path: Path) -> None:
+    need_library()
+    with pytest.raises(LinkLost, match=r"127\.0\.0\.1"):
+        run_scenario(with_robot(scenario(), "dtps://127.0.0.1:9/duckie"), tmp_path)
+
+
+def test_another_vehicles_name_is_a_lost_link_that_names_it(tmp_path: Path) -> None:
+    need_library()
+    with served_dtps(scenario()) as (_, client):
+        other = client.model_copy(update={"robot": client.robot.model_copy(update={"vehicle": "other"})})
+        with pytest.raises(LinkLost, match="other has no sensor/camera"):
+            run_scenario(other, tmp_path)
+
+
+def test_without_the_library_the_cure_names_the_extra(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "dtps", None)
+    with pytest.raises(InputError, match=r"fsm-calib\[dtps\]"):
+        run_scenario(with_robot(scenario(), "dtps://127.0.0.1:9/duckie"), tmp_path)
