@@ -13,6 +13,8 @@ from fsm_calib.commands.watch import watched
 from fsm_calib.errors import InputError
 
 if TYPE_CHECKING:
+    from fsm_calib.runner.files import Draw
+    from fsm_calib.runner.record import RunRecord
     from fsm_calib.scenario.models import Scenario
     from fsm_calib.statechart.machinery import Machinery
 
@@ -58,15 +60,18 @@ def run(
     effects: EffectsOption = None,
     machines: MachinesOption = None,
     watch: Annotated[bool, typer.Option("--watch", help="Serve a page that shows the run.")] = False,
+    movie: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write the run as a film: .mp4 or .gif.", show_default=False),
+    ] = None,
 ) -> None:
     """Calibrate a robot as a scenario says: camera, wheels, exit, lane; simulated, or a real one with --robot."""
     from fsm_calib.progress.run import ProgressBar
-    from fsm_calib.report.run_report import run_report
     from fsm_calib.runner.connecting import address_of, with_robot
     from fsm_calib.runner.run import run_scenario
     from fsm_calib.watch.area import write_area
 
-    machinery = machinery_of(machines)
+    machinery, draw = machinery_of(machines), _drawn(movie)
     loaded = with_robot(with_seed(read_scenario(scenario, machinery), seed), robot)
     directory = run_directory(out, resume, overwrite=overwrite)
     if loaded.robot.connect != "simulated":
@@ -81,12 +86,30 @@ def run(
                 resume=resume is not None,
                 observer=bar,
                 machinery=machinery,
-                draw=run_report,
+                draw=draw,
             )
         typer.echo(summary(finished.result, directory))
     if finished.result["outcome"] != "done":
         typer.echo(reason(finished.result, scenario, directory), err=True)
         raise typer.Exit(1)
+
+
+def _drawn(movie: Path | None) -> Draw:
+    """Return what makes the page of a finished run, and its film where one was asked for."""
+    from fsm_calib.report.run_report import run_report
+
+    if movie is None:
+        return run_report
+    from fsm_calib.report.movie import movie_kind, write_movie
+
+    film = movie
+    movie_kind(film)
+
+    def draw(record: RunRecord) -> str:
+        write_movie(record, film)
+        return run_report(record)
+
+    return draw
 
 
 def confirm(address: str, yes: bool) -> None:

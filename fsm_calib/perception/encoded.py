@@ -1,6 +1,9 @@
-"""Images as they travel: JPEG or PNG bytes to pixels."""
+"""Images as they travel: JPEG or PNG bytes to pixels, and pixels to JPEG or a film."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -49,3 +52,25 @@ def decode_colour(data: bytes | NDArray[np.uint8]) -> NDArray[np.uint8] | None:
 def encode_jpeg(image: NDArray[np.uint8], quality: int = 90) -> bytes:
     """Return `image`, 8 bits, grey or BGR, as JPEG bytes of `quality` 0 to 100."""
     return bytes(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])[1])
+
+
+def write_mp4(path: Path, images: Iterable[NDArray[np.uint8]], rate: float) -> None:
+    """Write BGR images of one size, each (height, width, 3), as a film of `rate` images a second: VP9 in an MP4.
+
+    Browsers and VLC play VP9; H.264 is not among what OpenCV's wheels may write.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written, or this OpenCV has no VP9.
+    """
+    writer = None
+    for image in images:
+        if writer is None:
+            size = (image.shape[1], image.shape[0])
+            writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"vp09"), rate, size)
+            if not writer.isOpened():
+                raise OSError("OpenCV cannot write a film there")
+        writer.write(np.ascontiguousarray(image))
+    if writer is not None:
+        writer.release()

@@ -21,7 +21,7 @@ from fsm_calib.world2d.outlines import (
 )
 from fsm_calib.world2d.scene import BoardPlacement, Road, SceneSpec
 
-LABEL = 0.35
+LABEL = 0.62
 """Room for the names of boards beside them [m]."""
 ARROW = 0.16
 """Length of the arrow that shows where the robot looked from [m]."""
@@ -92,7 +92,7 @@ def _draw_road(axes: Axes, road: Road) -> None:
     axes.areas([square(spot.x, spot.y, road.marker_size, road.start.theta) for spot in spots], "#e3e6ea")
 
 
-def draw_track(axes: Axes, record: RunRecord, is_named: bool) -> None:
+def draw_track(axes: Axes, record: RunRecord, is_named: bool, has_robot: bool = True) -> None:
     """Draw the driven path in the colours of the phases, named in the legend or not, and the robot at its end."""
     times, path = record.track[:, 0], record.track[:, 1:3]
     for phase, begin, end in _phases(record):
@@ -100,6 +100,13 @@ def draw_track(axes: Axes, record: RunRecord, is_named: bool) -> None:
         axes.line(
             thinned(path[inside], PATH_STEP), PHASE_COLOURS.get(phase, TEXT), label=phase if is_named else ""
         )
+    if has_robot:
+        _draw_robot(axes, record)
+    axes.dots(np.zeros((1, 2)), INK, 6.0, label="start" if is_named else "")
+
+
+def _draw_robot(axes: Axes, record: RunRecord) -> None:
+    """Draw the robot at the end of its path."""
     last = Pose2(*record.track[-1, 1:4])
     body = [
         last.then(Pose2(*corner))
@@ -107,7 +114,6 @@ def draw_track(axes: Axes, record: RunRecord, is_named: bool) -> None:
     ]
     axes.areas([[(p.x, p.y) for p in body]], "none", edge=INK)
     axes.dots(np.array([(last.x, last.y)]), INK, 3.0)
-    axes.dots(np.zeros((1, 2)), INK, 6.0, label="start" if is_named else "")
 
 
 def thinned(path: FloatArray, step: float) -> FloatArray:

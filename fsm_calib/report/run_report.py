@@ -12,6 +12,7 @@ from markupsafe import Markup
 from fsm_calib.report import run_camera, run_plan, run_timeline, run_wheels
 from fsm_calib.report.camera_words import scan_verdict
 from fsm_calib.report.pages import page
+from fsm_calib.report.run_replay import replay
 from fsm_calib.runner.record import RunRecord
 
 TEMPLATE = "run.html.j2"
@@ -36,6 +37,7 @@ def run_report(record: RunRecord) -> str:
         result=record.result,
         cards=cards(record.result),
         figures=_figures(record),
+        replay=replay(record),
         camera_verdict=scan_verdict(record.result["camera"] or {}),
         pictures=[(picture, Markup(record.data_url(picture))) for picture in record.pictures],
         settings={name: rows(values) for name, values in record.settings.items()},
