@@ -18,6 +18,7 @@ from fsm_calib.diagnosis.design.separation import (
     expected_posteriors,
     information,
 )
+from fsm_calib.diagnosis.design.sight import Sight
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.types import Pose2
@@ -204,3 +205,17 @@ def test_named_effect_leads_the_belief():
     found = belief_of(diagnose([recording(0, 12.0, motor_deadband__offset=0.05)]).decision)
     assert found.leader.names == ("motor_deadband",)
     assert found.sureness > 0.9
+
+
+def test_robot_that_looks_for_itself_keeps_markers_in_sight():
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(-0.6, 0.61, 0.15), np.arange(-0.6, 0.61, 0.15)))
+    view = np.zeros((40, 60), dtype=bool)
+    view[5:25, 15:45] = True  # 0.1 to 0.5 m ahead, 0.3 m to both sides
+    sight = Sight(np.column_stack([x, y]), view, (0.0, -0.6), 0.02, (-0.8, 0.8, -0.8, 0.8))
+    away = np.array([[[0.55, 0.0, 0.0]] * 20])
+    assert not sight.keeps(away)
+    assert sight.keeps(away + np.array([0.0, 0.0, np.pi]))
+    area = Area(-0.8, 0.8, -0.8, 0.8, sight=sight)
+    plan = planned(RIVALS, area)
+    assert sight.keeps(plan.path[None])
+    assert sight.enough(plan.path[None]).mean() > 0.9

@@ -3,6 +3,7 @@
 import json
 import shutil
 
+import numpy as np
 import pytest
 
 from fsm_calib.commands.run_place import run_directory
@@ -105,3 +106,31 @@ def test_earlier_drives_are_replaced(finished, tmp_path):
     (tmp_path / "old" / "drives" / "drive-99").mkdir()
     investigate(scenario(budget=9.0), tmp_path / "old")
     assert not (tmp_path / "old" / "drives" / "drive-99").exists()
+
+
+def test_own_camera_over_markers_tells_the_poses_of_a_drive_and_keeps_markers_in_sight(tmp_path):
+    own = Scenario.model_validate(
+        {
+            "name": "own-camera",
+            "seed": 4,
+            "robot": {"known": {"camera": True}, "start": {"x": -0.9, "y": 0.0, "theta": 2.0}},
+            "investigate": {
+                "poses": "camera", "centre_x": -0.9, "width": 1.7, "depth": 1.4,
+                "command": 0.3, "longest": 8.0, "look_every": 0.2,
+            },
+        }
+    )  # fmt: skip
+    going = runs.session(own, tmp_path, (), False, Silent(), runs.design)
+    for _ in range(3):
+        step(going.run)
+    going.run.journal.close()
+    assert not hasattr(going.bench.tracker, "world")
+    recording = going.mind.recordings(going.bench)[0]
+    trace = going.connection.world.truth.trace
+    begin = going.bench.findings.drives[0].commands[0][0]
+    x, y = (np.interp(recording.pose.time + begin, trace[:, 0], trace[:, i]) for i in (1, 2))
+    off = np.hypot(recording.pose.x - x, recording.pose.y - y)
+    assert len(off) > 20
+    assert np.median(off) < 0.004
+    path = trace[trace[:, 0] > begin][None, ::2, 1:4]
+    assert going.mind.area.sight.enough(path).mean() > 0.95

@@ -5,7 +5,14 @@ import math
 import pytest
 
 from fsm_calib.actions.investigate_settings import InvestigateSettings
-from fsm_calib.actions.investigating import Findings, InvestigationBench, drive_plan, localise, return_step
+from fsm_calib.actions.investigating import (
+    Findings,
+    InvestigationBench,
+    drive_plan,
+    localise,
+    look_around,
+    return_step,
+)
 from fsm_calib.types import STOP
 
 RATE = 20.0
@@ -110,7 +117,7 @@ def test_findings_survive_a_checkpoint():
     bench = bench_of(RollingRobot())
     bench.findings.holds = [(1.0, 0.4, 0.4)]
     drive_plan(bench)
-    assert Findings.from_state(bench.to_state()) == bench.findings
+    assert Findings.from_state(bench.to_state()["findings"]) == bench.findings
 
 
 def test_robot_in_the_middle_turns_to_another_heading():
@@ -120,3 +127,11 @@ def test_robot_in_the_middle_turns_to_another_heading():
     return_step(bench)
     assert abs(math.remainder(robot.pose[2], math.tau)) > 0.5
     assert math.hypot(robot.pose[0] - 0.02, robot.pose[1]) < 0.05
+
+
+def test_robot_that_sees_no_marker_turns_and_one_under_a_tracker_waits():
+    looking, watched = RollingRobot(), RollingRobot()
+    look_around(bench_of(looking, poses="camera"))
+    look_around(bench_of(watched))
+    assert abs(looking.pose[2]) > 0.2
+    assert watched.pose[2] == 0.0

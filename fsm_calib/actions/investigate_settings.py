@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +38,14 @@ class InvestigateSettings:
         How far from edges and obstacles, beyond `margin`, a drive may begin [m].
     blind : float
         Driving time without a pose after which the drive is stopped [s].
+    poses : str
+        Where poses come from: `tracker`, a camera at the ceiling, or `camera`, the robot's own over the floor markers.
+    tags : int
+        Floor markers that a planned drive keeps in sight of the robot's own camera [1].
+    unseen : float
+        Longest planned time with fewer of them [s].
+    exposure : float
+        Time the own camera's shutter is open [s]; a frame shows the robot half of it before its stamp.
     """
 
     centre_x: float = 0.0
@@ -54,3 +63,7 @@ class InvestigateSettings:
     look_every: float = 0.1
     room: float = 0.15
     blind: float = 2.0
+    poses: Literal["tracker", "camera"] = "tracker"
+    tags: int = 2
+    unseen: float = 0.4
+    exposure: float = 0.008

@@ -10,8 +10,11 @@ from statistics import median
 from typing import Any
 
 from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.floor_tracker import FloorTracker, PoseRow, unwound
 from fsm_calib.actions.investigate_settings import InvestigateSettings
+from fsm_calib.actions.notebook import Notebook
 from fsm_calib.outcome import Outcome
+from fsm_calib.perception.floor_map import SeenTag
 from fsm_calib.ports import Tracker
 from fsm_calib.types import STOP, WheelCommand
 
@@ -22,14 +25,20 @@ RETURN_COMMAND = 0.25  # of moves back: slow enough for a tracker, fast enough f
 IN_THE_MIDDLE = 0.1  # m: nearer than that a move back changes nothing
 OTHER_HEADING = 2.4  # rad, the golden angle: headings in a row lie far from one another
 SMALLEST_RATE = 0.2  # of the nominal speed: a robot that moved less is taken for that fast
+LOOK_TURN = 0.7  # rad between two looks for tags: less than half of what a fisheye sees
+NOT_SEEN = {
+    "tracker": "The tracker does not see the robot.",
+    "camera": "The camera sees no floor marker of the drawing.",
+}
 NOMINAL_SPEED, NOMINAL_TURN = 0.6, 12.0  # m/s and rad/s at command 1 (DB18)
-
-PoseRow = tuple[float, float, float, float]
 
 
 @dataclass(slots=True)
 class Field:
-    """One drive as it was made: commands (time, left, right), poses (time, x, y, theta), and the plan as JSON."""
+    """One drive as it was made: commands (time, left, right), poses (time, x, y, theta), and the plan as JSON.
+
+    seen : the floor markers that told each pose, where they were told by the robot's own camera.
+    """
 
     commands: list[tuple[float, float, float]]
     poses: list[PoseRow]
@@ -37,6 +46,7 @@ class Field:
     cut: bool = False
     reached: float | None = None
     beliefs: list[tuple[str, float]] = field(default_factory=list)
+    seen: list[tuple[SeenTag, ...]] = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -45,6 +55,7 @@ class Findings:
 
     streak : judgements in a row that found the same names sure; names : of the last judgement. speed, turn : of the
     robot at command 1 [m/s, rad/s], learnt from moves back. designs : how often a drive was asked for.
+    camera : where poses of the own camera lie on the robot, x, y [m], yaw [rad], as the diagnoses so far found it.
     """
 
     pose: tuple[float, float, float] | None = None
@@ -57,6 +68,7 @@ class Findings:
     speed: float = NOMINAL_SPEED
     turn: float = NOMINAL_TURN
     designs: int = 0
+    camera: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def to_state(self) -> dict[str, Any]:
         """Return plain JSON values."""
@@ -69,12 +81,14 @@ class Findings:
             Field(
                 [tuple(row) for row in d["commands"]], [tuple(row) for row in d["poses"]], d["plan"],
                 d["cut"], d["reached"], [tuple(row) for row in d["beliefs"]],
+                [tuple(tuple(tag) for tag in tags) for tags in d["seen"]],
             )
             for d in state["drives"]
         ]  # fmt: skip
         pose = tuple(state["pose"]) if state["pose"] else None
         holds = [tuple(hold) for hold in state["holds"]]
-        return cls(**{**state, "drives": drives, "pose": pose, "holds": holds})
+        camera = tuple(state["camera"])
+        return cls(**{**state, "drives": drives, "pose": pose, "holds": holds, "camera": camera})
 
 
 @dataclass(slots=True)
@@ -88,11 +102,12 @@ class InvestigationBench(Bench):
 
     def to_state(self) -> dict[str, Any]:
         """Return the checkpoint as plain JSON values."""
-        return self.findings.to_state()
+        return {"findings": self.findings.to_state(), "notebook": self.notebook.to_state()}
 
     def from_state(self, state: Mapping[str, Any]) -> None:
         """Take everything from a checkpoint."""
-        self.findings = Findings.from_state(state)
+        self.findings = Findings.from_state(state["findings"])
+        self.notebook = Notebook.from_state(state["notebook"])
 
     def seen(self) -> list[PoseRow]:
         """Return the tracker's poses since the last call."""
@@ -105,15 +120,26 @@ def localise(bench: InvestigationBench) -> Outcome:
     bench.robot.command(STOP)
     bench.robot.wait(asked.settle)
     bench.seen()
-    bench.robot.wait(asked.settle)
-    rows = bench.seen()
+    rows = _looked(bench, asked.settle)
     if len(rows) < FEWEST:
-        return Outcome("pose_missing", {"poses": len(rows)}, "The tracker does not see the robot.")
-    x, y, theta = (median(row[k] for row in rows) for k in (1, 2, 3))
+        return Outcome("pose_missing", {"poses": len(rows)}, NOT_SEEN[asked.poses])
+    x, y = (median(row[k] for row in rows) for k in (1, 2))
+    first = rows[0][3]
+    theta = first + median(math.remainder(row[3] - first, math.tau) for row in rows)
     bench.findings.pose = (x, y, theta)
     room = bench.clearance(x, y) - asked.margin
     evidence = {"roomy": room >= asked.room, "x": x, "y": y, "theta": theta, "room": room}
     return Outcome("localised", evidence, f"The robot is at ({x:.2f} m, {y:.2f} m).")
+
+
+def look_around(bench: InvestigationBench) -> Outcome:
+    """Turn on the spot by a part of a turn where the robot looks for itself; wait where it is looked for."""
+    if bench.asked.poses == "camera":
+        u = min(RETURN_COMMAND, bench.asked.command)
+        _hold(bench, WheelCommand(-u, u), LOOK_TURN / (u * bench.findings.turn))
+    else:
+        bench.robot.wait(bench.asked.settle)
+    return Outcome("moved", {}, "Looked elsewhere.")
 
 
 def return_step(bench: InvestigationBench) -> Outcome:
@@ -152,6 +178,9 @@ def drive_plan(bench: InvestigationBench) -> Outcome:
     """Drive the plan and keep commands and poses; stop where the area ends, or when nobody sees the robot."""
     robot, findings, asked = bench.robot, bench.findings, bench.asked
     bench.seen()
+    own = bench.tracker if isinstance(bench.tracker, FloorTracker) else None
+    if own is not None:
+        own.drained()
     made = Field([(robot.now(), 0.0, 0.0)], [], findings.plan)
     ended = ""
     for seconds, left, right in [(asked.settle, 0.0, 0.0), *findings.holds, (asked.settle, 0.0, 0.0)]:
@@ -166,6 +195,8 @@ def drive_plan(bench: InvestigationBench) -> Outcome:
         robot.wait(asked.settle)
         made.poses += bench.seen()
         made.cut = True
+    if own is not None:
+        made.poses, made.seen = unwound(made.poses, made.commands, findings.turn), own.drained()
     if ended == "blind" or len(made.poses) < FEWEST:
         return Outcome("pose_missing", {"poses": len(made.poses)}, "The tracker lost the robot on the drive.")
     findings.drives.append(made)
@@ -174,6 +205,15 @@ def drive_plan(bench: InvestigationBench) -> Outcome:
     if made.cut:
         return Outcome("drive_cut", evidence, "The drive was stopped at the edge of the area.")
     return Outcome("drive_finished", evidence, "The drive was made to its end.")
+
+
+def _looked(bench: InvestigationBench, seconds: float) -> list[PoseRow]:
+    """Let `seconds` [s] pass and return the poses of them."""
+    end, rows = bench.robot.now() + seconds, list[PoseRow]()
+    while (left := end - bench.robot.now()) > TICK:
+        bench.robot.wait(min(left, bench.asked.look_every))
+        rows += bench.seen()
+    return rows
 
 
 def _watched(bench: InvestigationBench, made: Field, seconds: float) -> str:
@@ -227,6 +267,7 @@ def _length(poses: list[PoseRow]) -> float:
 
 ACTIVITIES: dict[str, Callable[[InvestigationBench], Outcome]] = {
     "localise": localise,
+    "look_around": look_around,
     "return_step": return_step,
     "drive_plan": drive_plan,
 }

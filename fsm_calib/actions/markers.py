@@ -38,14 +38,20 @@ def camera_of(bench: Bench) -> CameraModel:
 
 def tags_in(bench: Bench, frame: Frame) -> tuple[TagObservation, ...]:
     """Return the floor markers of one frame relative to the robot, the nearest first."""
+    found = found_in(bench, frame)
+    seen = observe_tags(found, camera_of(bench), bench.notebook.mount, bench.settings.marker.size)
+    return tuple(sorted(_on_floor(bench, found, seen), key=lambda tag: tag.distance))
+
+
+def found_in(bench: Bench, frame: Frame) -> tuple[TagDetection, ...]:
+    """Return the tags of one frame in the image; the first frames also tell how the camera is tilted."""
     found = find_tags(frame.image)
     known = bench.notebook.mount_known == "all"
     if not known and len(bench.notebook.tilt_readings) < bench.settings.marker.tilt_readings:
         _read_tilt(bench, found)
     corners = np.vstack([tag.corners_image for tag in found]) if found else np.empty((0, 2))
     bench.keep(frame.image, frame.time, "markers", corners)
-    seen = observe_tags(found, camera_of(bench), bench.notebook.mount, bench.settings.marker.size)
-    return tuple(sorted(_on_floor(bench, found, seen), key=lambda tag: tag.distance))
+    return found
 
 
 def _on_floor(

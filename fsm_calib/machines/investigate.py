@@ -16,7 +16,7 @@ from fsm_calib.statechart.spec import Chart, State, always, choose, otherwise, w
 SURE = "sure: bool, the answer is as sure as was asked for, and was so after the drive before"
 TIME_LEFT = "time_left: bool, the robot may still drive: time and distance are not spent"
 CRAMPED = "cramped: bool, drives were refused because they leave the area from here"
-POSE_MISSING = Returned("pose_missing", "The tracker does not see the robot.")
+POSE_MISSING = Returned("pose_missing", "Nothing tells where the robot is.")
 
 GIVEN_UP = (
     State("budget_spent", "Time, distance or drives are spent.",
@@ -30,9 +30,9 @@ GIVEN_UP = (
           cure="Give a larger area, clear it, or a smaller command limit."),
 )  # fmt: skip
 FAILURES = (
-    State("out_of_sight", "The tracker does not see the robot.",
-          reason="The tracker did not see the robot {misses} times in a row.",
-          cure="Put the robot where the tracker sees it, or check the tracker."),
+    State("out_of_sight", "Nothing tells where the robot is.",
+          reason="Nothing told where the robot is, {misses} times in a row.",
+          cure="Put the robot where the tracker sees it, or among the floor markers if its own camera looks for them."),
     State("not_returning", "The robot does not come back to where there is room.",
           reason="The robot was not back where there is room after {returns} moves.",
           cure="Put the robot in the middle of the area; look for what holds it."),
@@ -45,7 +45,8 @@ INVESTIGATION = Chart(
     name="investigate",
     about="Drive, diagnose and design the next drive until it is settled what the simulation is missing.",
     states=(
-        State("localising", "Stand still and take the tracker's poses.", do="localise"),
+        State("localising", "Stand still and take poses, of the tracker or by floor markers.", do="localise"),
+        State("searching", "Turn on the spot to see floor markers; wait, under a tracker.", do="look_around"),
         State("returning", "One move back towards the middle of the area.", do="return_step"),
         State("designing", "Find the drive that would settle most per second.", do="design_drive"),
         State("driving", "Drive it, and stop early where the area ends.", do="drive_plan"),
@@ -62,8 +63,9 @@ INVESTIGATION = Chart(
                 when("has_returns_left", "returning", "count_return"),
                 otherwise("failed/not_returning")),
         *choose("pose_missing", "localising",
-                when("has_misses_left", "localising", "count_miss"),
+                when("has_misses_left", "searching", "count_miss"),
                 otherwise("failed/out_of_sight", "count_miss")),
+        *always("moved", "searching", "localising"),
         *always("moved", "returning", "localising"),
         *choose("drive_designed", "designing",
                 when("has_drives_left", "driving", "count_drive"),
@@ -87,14 +89,16 @@ INVESTIGATION = Chart(
                 when("may_go_on", "localising"),
                 otherwise("given_up/budget_spent")),
         *always("abort",
-                ("localising", "returning", "designing", "driving", "diagnosing", "judging"), "aborted"),
+                ("localising", "searching", "returning", "designing", "driving", "diagnosing", "judging"), "aborted"),
     ),
 )  # fmt: skip
 
 CONTRACT = contract_of(
-    Activity("localise", "Stand still and take the median of some poses of the tracker.",
+    Activity("localise", "Stand still and take the median of some poses.",
              (Returned("localised", "The robot's pose is known.",
                        ("roomy: bool, there is room for a drive around it",)), POSE_MISSING)),
+    Activity("look_around", "Turn on the spot by a part of a turn; wait, where a tracker looks.",
+             (Returned("moved", "The camera looks elsewhere."),)),
     Activity("return_step", "Turn towards the middle of the area and drive, at most so far.",
              (Returned("moved", "The move was made; where it led is seen next."),)),
     Activity("design_drive", "Find the drive of most information per second within the bounds.",

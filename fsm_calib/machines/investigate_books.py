@@ -13,13 +13,14 @@ class InvestigateLimits:
     """What an investigation may spend in events; time and distance are judged by the activity that knows them.
 
     drives : designed drives. returns : moves in a row towards the middle of the area; five bring a robot back over a
-    metre that misses half of every move. misses : looks in a row at which the tracker does not see the robot.
+    metre that misses half of every move. misses : looks in a row that do not tell
+    where the robot is; twelve turns on the spot are more than a whole one.
     places : in a row from which no drive could be made: other ones are tried, towards the middle of the area.
     """
 
     drives: int = 12
     returns: int = 8
-    misses: int = 3
+    misses: int = 12
     places: int = 3
 
 

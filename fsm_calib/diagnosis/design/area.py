@@ -1,4 +1,4 @@
-"""Where a robot may drive: a rectangle with a margin, less what stands in it."""
+"""Where a robot may drive: a rectangle with a margin, less what stands in it, where its own camera sees enough tags."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fsm_calib.diagnosis.design.sight import Sight
 from fsm_calib.types import FloatArray, Pose2
 
 
@@ -22,7 +23,8 @@ class Disc:
 class Area:
     """A rectangle [m] in the world frame, the distance that the axle's centre keeps from its edges, and obstacles.
 
-    margin [m] : half a robot (0.10 m) and what random forces and a wrong heading add over a drive.
+    margin [m] : half a robot (0.10 m) and what random forces and a wrong heading add over a drive. sight : where poses
+    come from the robot's own camera; None where something beside the robot sees it everywhere.
     """
 
     x_low: float = -1.0
@@ -31,6 +33,7 @@ class Area:
     y_high: float = 1.0
     margin: float = 0.20
     obstacles: tuple[Disc, ...] = ()
+    sight: Sight | None = None
 
     @property
     def centre(self) -> Pose2:
@@ -58,4 +61,6 @@ class Area:
 
     def allows(self, paths: FloatArray) -> bool:
         """Return whether every pose of `paths` (k, n, 3), x, y [m], theta [rad], every 0.05 s, is within the bounds."""
-        return self.holds(paths[:, :, 0], paths[:, :, 1])
+        if not self.holds(paths[:, :, 0], paths[:, :, 1]):
+            return False
+        return self.sight is None or self.sight.keeps(paths)

@@ -24,7 +24,9 @@ from fsm_calib.runner.connecting import connect, drive_again
 from fsm_calib.runner.gallery import Gallery
 from fsm_calib.runner.hold import held
 from fsm_calib.runner.investigation.files import DRIVES, OWN_FILES, OWN_FOLDERS, RESULT
+from fsm_calib.runner.investigation.own_camera import tracker_of, with_sight
 from fsm_calib.runner.investigation.thinking import Designer, Mind, with_facts
+from fsm_calib.runner.knowledge import teach
 from fsm_calib.runner.logged import LoggedRobot
 from fsm_calib.runner.loop import Run, run_to_end, step_abort
 from fsm_calib.runner.parts import Parts
@@ -109,7 +111,7 @@ def _investigated(
             going.connection.close()
     result = result_of(going, time.perf_counter() - began)
     write_atomically(directory / RESULT, (json.dumps(result, indent=1) + "\n").encode())
-    for number, recording in enumerate(going.mind.recordings(going.bench.findings.drives)[len(given) :], 1):
+    for number, recording in enumerate(going.mind.recordings(going.bench)[len(given) :], 1):
         write_recording(recording, directory / DRIVES / f"drive-{number:02d}")
     return going, result
 
@@ -130,17 +132,18 @@ def session(
         check_same(state, heading, directory)
     parts = Parts("start")
     connection = connect(scenario, spec)
-    if connection.world is None:
-        raise InputError(
-            "this robot has no tracker that tells where it is",
-            where="--robot",
-            cure="Drive it with `fsm-calib diagnose --plan` under a tracker of your own.",
-        )
-    tracker = OverheadTracker(connection.world, scenario.tracker.build())
-    area = area_of(asked, spec.scene)
     robot = LoggedRobot(connection.robot, parts, state["frames"] if state else 0)
-    bench = InvestigationBench(robot, tracker=tracker, asked=asked, clearance=_clearance(area))
-    mind = Mind(area, with_facts(_facts(scenario), given), scenario.seed, tuple(given), designer)
+    bench = InvestigationBench(robot, asked=asked)
+    area = area_of(asked, spec.scene)
+    bench.clearance = _clearance(area)
+    teach(bench.notebook, scenario, spec.robot)
+    if asked.poses == "camera":
+        bench.tracker = tracker_of(bench, spec.scene, asked)
+        area = with_sight(area, bench, spec.scene, asked)
+    else:
+        bench.tracker = _overhead(connection, scenario)
+    scene = spec.scene if asked.poses == "camera" else None
+    mind = Mind(area, with_facts(_facts(scenario), given), scenario.seed, tuple(given), designer, scene)
     run = Run(
         machine=_machine(state),
         bench=bench,
@@ -158,9 +161,21 @@ def session(
     if state is not None:
         run.sequence = state["sequence"]
         bench.from_state(state["bench"])
-        drive_again(connection, connection.world, directory, state)
-        tracker.skip(run.robot.now())
+        if connection.world is not None:
+            drive_again(connection, connection.world, directory, state)
+        if isinstance(bench.tracker, OverheadTracker):
+            bench.tracker.skip(run.robot.now())
     return Investigation(scenario, run, bench, mind, connection)
+
+
+def _overhead(connection: Connection, scenario: Scenario) -> OverheadTracker:
+    if connection.world is None:
+        raise InputError(
+            "no tracker of ours stands over this robot",
+            where="investigate.poses",
+            cure="Take `poses: camera` over floor markers, or drive it with `fsm-calib diagnose --plan`.",
+        )
+    return OverheadTracker(connection.world, scenario.tracker.build())
 
 
 def _machine(state: dict[str, Any] | None) -> Machine:

@@ -19,7 +19,9 @@ from fsm_calib.errors import DataError
 from fsm_calib.outcome import Outcome
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.runner.investigation.own_camera import camera_found, corrected
 from fsm_calib.types import Pose2
+from fsm_calib.world2d.scene import SceneSpec
 
 DESIGN_STREAM = 13
 """Which random stream of the seed the designer draws from."""
@@ -36,7 +38,8 @@ class Mind:
     """What an investigation believes between two drives; all of it follows from the recordings, so that a run that is
     taken up again thinks the same.
 
-    given : recordings that were there before. designer : who plans drives.
+    given : recordings that were there before. designer : who plans drives. scene : the drawing, where poses come from
+    its floor markers.
     """
 
     area: Area
@@ -44,6 +47,7 @@ class Mind:
     seed: int
     given: tuple[Recording, ...] = ()
     designer: Designer = design
+    scene: SceneSpec | None = None
     diagnosis: Diagnosis | None = None
     belief: Belief | None = None
     plans: list[Plan] = field(default_factory=list)
@@ -56,7 +60,7 @@ class Mind:
         sure = belief is not None and belief.sureness >= asked.sure
         least = 0.0 if belief is None else LEAST_SHARE * belief.doubt
         if belief is None:
-            belief = prior_belief(robot=self.facts)
+            belief = prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
         elif sure:
             belief, least = with_doubts(belief), 0.0
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
@@ -82,6 +86,8 @@ class Mind:
         """Compare all drives so far with the simulation."""
         try:
             belief = self._believed(bench)
+            if self._learn_camera(bench):
+                belief = self._believed(bench)
         except DataError as error:
             return Outcome("drives_refused", {}, error.problem, error.cure)
         if belief is None or self.diagnosis is None:
@@ -113,6 +119,21 @@ class Mind:
         }
         return Outcome("answer_judged", evidence, _judged(names, evidence))
 
+    def _learn_camera(self, bench: InvestigationBench) -> bool:
+        """Take a camera that is found to sit a little elsewhere as known from now on; return whether it was.
+
+        It is a number of the calibration, whose errors a drive over markers sees, and no physics of the robot.
+        """
+        if self.scene is None or self.diagnosis is None:
+            return False
+        found = camera_found(self.diagnosis.decision.model.fit)
+        if not any(found):
+            return False
+        known = bench.findings.camera
+        bench.findings.camera = (known[0] + found[0], known[1] + found[1], known[2] + found[2])
+        self._known = -1
+        return True
+
     def _is_sure(self, belief: Belief, wanted: float) -> bool:
         """Return whether the belief and every name of the verdict are as sure as wanted."""
         if belief.sureness < wanted or self.diagnosis is None:
@@ -127,15 +148,19 @@ class Mind:
         """Return the belief after all drives; computed once for each number of them."""
         drives = bench.findings.drives
         if self._known != len(drives):
-            recordings = self.recordings(drives)
+            recordings = self.recordings(bench)
             if recordings:
                 self.diagnosis = diagnose(recordings, seed=self.seed)
                 self.belief = belief_of(self.diagnosis.decision)
             self._known = len(drives)
         return self.belief
 
-    def recordings(self, drives: Sequence[Field]) -> tuple[Recording, ...]:
+    def recordings(self, bench: InvestigationBench) -> tuple[Recording, ...]:
         """Return the recordings that were given and those of the drives."""
+        drives = bench.findings.drives
+        if drives and self.scene is not None:
+            rows = corrected(drives, self.scene, bench.findings.camera)
+            drives = [replace(drive, poses=poses) for drive, poses in zip(drives, rows, strict=True)]
         return (*self.given, *(recording_of(d, self.facts, n) for n, d in enumerate(drives, start=1)))
 
 

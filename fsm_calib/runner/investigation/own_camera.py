@@ -1,0 +1,125 @@
+"""The robot's own camera as the source of poses: the drawing's map, what is seen from where, what drives tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.floor_tracker import FloorTracker, PoseRow, camera_offset, moved_to_axle
+from fsm_calib.actions.investigate_settings import InvestigateSettings
+from fsm_calib.actions.investigating import Field
+from fsm_calib.actions.markers import camera_of
+from fsm_calib.diagnosis.design.area import Area
+from fsm_calib.diagnosis.design.sight import Sight
+from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.errors import InputError
+from fsm_calib.perception.floor_map import adjusted_poses
+from fsm_calib.perception.floor_pose import view_on_floor
+from fsm_calib.types import Pose2
+from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.scene import SceneSpec
+from fsm_calib.world2d.surfaces import field_markers
+
+MOST_OFFSET, MOST_YAW = (
+    0.01,
+    0.03,
+)  # m, rad: by so much a calibrated camera may sit elsewhere than it is known to
+VIEW_CELL, VIEW_REACH = (
+    0.02,
+    0.6,
+)  # m: cells of the camera's view of the floor; farther tags are not relied on
+
+
+def drawn_tags(scene: SceneSpec) -> dict[int, Pose2]:
+    """Return where the drawing has the floor markers; how they were laid is a little off, which nobody tells.
+
+    Raises
+    ------
+    InputError
+        The drawing has none.
+    """
+    if scene.field is None:
+        raise InputError(
+            "there are no floor markers", where="scene.field", cure="Draw a field, or take poses: tracker."
+        )
+    exact = replace(scene.field, spacing_sd=0.0, heading_sd=0.0)
+    markers = field_markers(exact, np.random.default_rng(0))  # nothing is drawn: both spreads are zero
+    return {marker.tag_id: marker.pose for marker in markers}
+
+
+def tracker_of(bench: Bench, scene: SceneSpec, asked: InvestigateSettings) -> FloorTracker:
+    """Return the tracker that looks through the robot's own camera."""
+    size = 0.065 if scene.field is None else scene.field.size
+    return FloorTracker(bench, drawn_tags(scene), size, asked.exposure)
+
+
+def with_sight(area: Area, bench: Bench, scene: SceneSpec, asked: InvestigateSettings) -> Area:
+    """Return the area in which the camera, as it is known, also sees enough tags."""
+    tags = drawn_tags(scene)
+    ahead = np.arange(-0.2, VIEW_REACH, VIEW_CELL)
+    aside = np.arange(-VIEW_REACH, VIEW_REACH, VIEW_CELL)
+    x, y = (a.ravel() for a in np.meshgrid(ahead, aside, indexing="ij"))
+    cells = np.column_stack([x, y]) + 0.5 * VIEW_CELL
+    size = 0.065 if scene.field is None else scene.field.size
+    view = view_on_floor(camera_of(bench), bench.notebook.mount, cells, size, VIEW_REACH)
+    sight = Sight(
+        tags=np.array([(pose.x, pose.y) for pose in tags.values()]),
+        view=view.reshape(len(ahead), len(aside)),
+        view_corner=(float(ahead[0]), float(aside[0])),
+        view_cell=VIEW_CELL,
+        bounds=(area.x_low, area.x_high, area.y_low, area.y_high),
+        fewest=asked.tags,
+        blind=asked.unseen,
+    )
+    return replace(area, sight=sight)
+
+
+def corrected(
+    drives: Sequence[Field], scene: SceneSpec, camera: tuple[float, float, float]
+) -> list[list[PoseRow]]:
+    """Return the poses of drives by a map that all of them tell together, and with where the camera sits by them.
+
+    How tags were laid and how the camera is mounted, known to 3 mm and half a degree, are no physics of the robot.
+    """
+    size = 0.065 if scene.field is None else scene.field.size
+    poses, _ = adjusted_poses([tags for drive in drives for tags in drive.seen], drawn_tags(scene), size)
+    rows, begin = list[list[PoseRow]](), 0
+    for drive in drives:
+        told = poses[begin : begin + len(drive.poses)]
+        begin += len(drive.poses)
+        rows.append([_as_wound(row, pose) for row, pose in zip(drive.poses, told.tolist(), strict=True)])
+    ahead, yaw = camera_offset(rows)
+    return [_seen_from(moved_to_axle(r, ahead, yaw), camera) for r in rows]
+
+
+def camera_found(fit: Fit) -> tuple[float, float, float]:
+    """Return where a fitted explanation has the poses on the robot, x, y [m], yaw [rad]; zeros where it has them right.
+
+    Only what a mount may be off is taken: more is the robot's or the floor's.
+    """
+    table = parameter_table()
+    names = ("sensor_offset.x", "sensor_offset.y", "sensor_yaw.yaw")
+    x, y, yaw = (float(fit.values[0, table.place(name)]) for name in names)
+    if math.hypot(x, y) > MOST_OFFSET or abs(yaw) > MOST_YAW:
+        return 0.0, 0.0, 0.0
+    return x, y, yaw
+
+
+def _seen_from(rows: Sequence[PoseRow], camera: tuple[float, float, float]) -> list[PoseRow]:
+    """Return the poses of the axle's centre of poses that lie at `camera` on the robot."""
+    x, y, yaw = camera
+    out = []
+    for time, px, py, theta in rows:
+        base = Pose2(px, py, theta - yaw).then(Pose2(-x, -y))
+        out.append((time, base.x, base.y, theta - yaw))
+    return out
+
+
+def _as_wound(row: PoseRow, pose: Sequence[float]) -> PoseRow:
+    """Return a new pose (x, y, theta) in place of a row's, with as many whole turns as that has."""
+    x, y, theta = pose
+    return row[0], x, y, row[3] + math.remainder(theta - row[3], math.tau)
