@@ -35,6 +35,7 @@ SURE_JUMP = 6.0  # the same where one asks whether there is a marker at all
 SLACK = 1  # frames before and after a crossing that may be its own
 WIDE_TIME, WIDE_LEAST = 0.1, 2  # s, frames: the same for the grid, in which a robot travels about its pitch
 SHORTEST_STAY = 6  # frames: a shorter visit is all edge, or a few outliers in a row (4 of them, measured)
+STRETCH = 16  # frames that are passed over together where they are far from a disc
 FEWEST_JUMPS = 2  # entries and exits that a disc must have
 DISC_NUMBERS = 4  # turn, centre, radius
 KEPT = 3
@@ -187,15 +188,38 @@ def _grid(place: FloatArray) -> FloatArray:
 
 
 @njit(cache=True)
+def _stretches(place):  # type: ignore[no-untyped-def]
+    """Return a circle (x, y, radius) [m] around each stretch of `STRETCH` frames, shape (n / STRETCH, 3)."""
+    out = np.zeros(((len(place) + STRETCH - 1) // STRETCH, 3))
+    for i in range(len(out)):
+        part = place[i * STRETCH : (i + 1) * STRETCH]
+        x, y = 0.5 * (part[:, 0].min() + part[:, 0].max()), 0.5 * (part[:, 1].min() + part[:, 1].max())
+        out[i, 0], out[i, 1] = x, y
+        out[i, 2] = np.sqrt(((part[:, 0] - x) ** 2 + (part[:, 1] - y) ** 2).max())
+    return out
+
+
+@njit(cache=True)
+def _is_far(circle, disc):  # type: ignore[no-untyped-def]
+    """Return whether a disc and a circle do not touch: no frame of that stretch lies in the disc."""
+    reach = circle[2] + disc[2]
+    return (circle[0] - disc[0]) ** 2 + (circle[1] - disc[1]) ** 2 > reach * reach
+
+
+@njit(cache=True)
 def _numbers(place, jump, weight, discs, size):  # type: ignore[no-untyped-def]
     """Return promise and the first `size` of turn, shift_x, shift_y of each disc, shape (m, 4)."""
     out = np.zeros((len(discs), 4))
     normal, score = np.zeros((3, 3)), np.zeros(3)
+    around = _stretches(place)
     for d in range(len(discs)):
         normal[:], score[:] = 0.0, 0.0
         count, entered, square = 0, -1, discs[d, 2] ** 2
-        was = False
-        for k in range(len(place)):
+        was, k = False, 0
+        while k < len(place):
+            if not was and k % STRETCH == 0 and _is_far(around[k // STRETCH], discs[d]):
+                k += STRETCH
+                continue
             inside = (place[k, 0] - discs[d, 0]) ** 2 + (place[k, 1] - discs[d, 1]) ** 2 < square
             if inside and not was:
                 entered = k
@@ -204,7 +228,7 @@ def _numbers(place, jump, weight, discs, size):  # type: ignore[no-untyped-def]
                     place[entered], 1.0, jump[entered], weight[entered], discs[d], size, normal, score
                 )
                 count += _add_jump(place[k - 1], -1.0, jump[k], weight[k], discs[d], size, normal, score)
-            was = inside
+            was, k = inside, k + 1
         if count >= FEWEST_JUMPS:
             numbers = np.linalg.solve(normal[:size, :size] + RIDGE * np.eye(size), score[:size])
             out[d, 0] = 0.5 * np.dot(numbers, score[:size])

@@ -3,50 +3,86 @@
 A slide has no useful derivative: to first order in the loss of grip nothing happens, until the tyres let go. So spots
 are simulated. Their likelihood is flat in the centre (a robot that slides 0.1 m earlier ends up much alike) but steep
 in the grip: a spot that is too slippery sends the robot far off and looks worse than none, one that is not slippery
-enough wins part. So grips are tried from firm to loose at a coarse pitch.
+enough wins part. So a firm and a loose grip are tried at a coarse pitch, more of both about the best.
 """
 
 from __future__ import annotations
 
-from itertools import product
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.scan_areas import Area
-from fsm_calib.diagnosis.candidates.scan_tried import tried_out
 from fsm_calib.diagnosis.fitting.fit import Fit
-from fsm_calib.diagnosis.shapes.score_tests import Residual
+from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.diagnosis.replay.passage import Passages, passages_of
+from fsm_calib.diagnosis.shapes.score_tests import Residual, winnings
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 
 RADIUS = 0.25  # m: half of a small robot's turn
 RADII = (0.18, 0.3, 0.37)  # m, tried where a spot of the usual radius does best
-LOSSES = (0.5, 0.65, 0.78, 0.88)  # grips of a half to an eighth
+FIRST_LOSSES = (0.5, 0.78)  # tried everywhere
+LOSSES = (0.5, 0.65, 0.78, 0.88)  # grips of a half to an eighth, tried where the first promise most
 APART = 0.18  # m between the centres of two spots that are kept
 KEPT = 3
+LOOKED_AT = 12  # centres whose neighbours are tried, too
+PITCH = 0.12  # m between neighbours
+REACH = 0.12  # m beyond a spot's edge at which a wheel may touch it
 
 Spot = dict[str, float]
 
 
+@dataclass(frozen=True, eq=False)
+class Slides:
+    """Spots tried over one parent fit."""
+
+    parent: Fit
+    residual: Residual
+    effect: Effect
+    passages: list[Passages]
+
+    def best(self, centres: FloatArray) -> list[tuple[Spot, float]]:
+        """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win."""
+        cells = np.round(centres / PITCH - 0.5).astype(int)
+        coarse = centres[cells.sum(axis=1) % 2 == 0]
+        promise = np.array([self.promises(at, RADIUS, FIRST_LOSSES).max() for at in coarse])
+        near = apart(promise, coarse, LOOKED_AT, APART)
+        tried = np.unique(np.round(np.vstack([_about(coarse[i]) for i in near]), 6), axis=0)
+        promises = np.array([self.promises(at, RADIUS, LOSSES) for at in tried])
+        kept = apart(promises.max(axis=1), tried, KEPT, APART)
+        return [self._of_best_radius(tried[i], LOSSES[int(np.argmax(promises[i]))], promises[i].max()) for i in kept]
+
+    def promises(self, at: FloatArray, radius: float, losses: Sequence[float]) -> FloatArray:
+        """Return the log-likelihood (m,) that a spot wins with each loss of grip."""
+        spots = [self._spot(at, radius, loss) for loss in losses]
+        columns = [
+            p.changes(
+                np.vstack([with_values(p.values[None], spot) for spot in spots]),
+                p.near(float(at[0]), float(at[1]), radius + REACH),
+            )
+            for p in self.passages
+        ]
+        return winnings(self.residual, self.residual.engine.white_columns(self.residual.whiteners, columns))
+
+    def _of_best_radius(self, at: FloatArray, loss: float, promise: float) -> tuple[Spot, float]:
+        promises = [float(promise), *(float(self.promises(at, radius, (loss,))[0]) for radius in RADII)]
+        best = int(np.argmax(promises))
+        return self._spot(at, (RADIUS, *RADII)[best], loss), promises[best]
+
+    def _spot(self, at: FloatArray, radius: float, loss: float) -> Spot:
+        acting = {f"{self.effect.name}.spread": 0.0, f"{self.effect.name}.loss": loss}
+        return Area(float(at[0]), float(at[1]), radius, radius).numbers(self.effect) | acting
+
+
+def _about(at: FloatArray) -> FloatArray:
+    """Return a centre (2,) [m] and its four neighbours, (5, 2)."""
+    return at + PITCH * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+
+
 def slides(parent: Fit, residual: Residual, centres: FloatArray, effect: Effect) -> list[tuple[Spot, float]]:
     """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win as such."""
-    tried = [_spot(effect, x, y, RADIUS, loss) for (x, y), loss in product(centres.tolist(), LOSSES)]
-    promise = tried_out(parent, residual, tried)
-    kept = apart(promise, np.repeat(centres, len(LOSSES), axis=0), KEPT, APART)
-    return [_of_best_radius(parent, residual, tried[i], float(promise[i]), effect) for i in kept]
-
-
-def _of_best_radius(
-    parent: Fit, residual: Residual, spot: Spot, promise: float, effect: Effect
-) -> tuple[Spot, float]:
-    x, y, loss = (spot[f"{effect.name}.{name}"] for name in ("x", "y", "loss"))
-    tried = [_spot(effect, x, y, radius, loss) for radius in RADII]
-    promises = [promise, *tried_out(parent, residual, tried).tolist()]
-    best = int(np.argmax(promises))
-    return [spot, *tried][best], promises[best]
-
-
-def _spot(effect: Effect, x: float, y: float, radius: float, loss: float) -> Spot:
-    acting = {f"{effect.name}.spread": 0.0, f"{effect.name}.loss": loss}
-    return Area(x, y, radius, radius).numbers(effect) | acting
+    passages = passages_of(residual.engine.simulators, parent.values, parent.simulated)
+    return Slides(parent, residual, effect, passages).best(centres)

@@ -55,13 +55,32 @@ class Simulator:
             In the sensor's own frame at the event before, as `Prepared.step`; row 0 is zero.
         """
         p = self.prepared
-        start = p.reference[0]
-        states = simulate_many(values, self.drive, self.grid, start, self.track, p.settings.simulation_step)
-        out = np.empty((len(values), len(p.time), 5))
+        last = len(p.time) - 1
+        return self.increments_between(values, 0, last, self.grid, p.reference[0], self.drive, self.track)
+
+    def increments_between(
+        self,
+        values: FloatArray,
+        first: int,
+        last: int,
+        grid: FloatArray,
+        start: FloatArray,
+        drive: Drive,
+        track: FloatArray,
+    ) -> FloatArray:
+        """Return increments (k, last - first + 1, 5) of the events from `first` to `last` alone; row 0 is zero.
+
+        grid : (g,) [s], every `GRID_STEP`, from where the robot stands at `start` (pose, or pose and twist); drive and
+        track : what of both acts then.
+        """
+        p, part = self.prepared, slice(first, last + 1)
+        states = simulate_many(values, drive, grid, start, track, p.settings.simulation_step)
+        time, reference = p.time[part], p.reference[part]
+        out = np.empty((len(values), len(time), 5))
         for i, vector in enumerate(values):
-            seen_at = np.ascontiguousarray(robot_time(vector, p.time)) if _acts(vector, "clock") else p.time
-            sample_increments(states[i], self.grid[0], GRID_STEP, seen_at, p.time, out[i])
-            through_sensor(vector, p.reference, out[i])
+            seen_at = np.ascontiguousarray(robot_time(vector, p.time)[part]) if _acts(vector, "clock") else time
+            sample_increments(states[i], grid[0], GRID_STEP, seen_at, time, out[i])
+            through_sensor(vector, reference, out[i])
         return out
 
 
