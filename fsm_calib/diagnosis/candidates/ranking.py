@@ -89,15 +89,24 @@ class Bank:
         return max(HOPELESS, self.scanner.worth)
 
     def rank(self, effects: Iterable[Effect], progress: Progress = lambda name: None) -> list[Ranked]:
-        """Fit all effects in all their forms; return the best form of each, largest evidence first."""
+        """Fit all effects in all their forms; return the best form of each, largest evidence first.
+
+        Where a model already has effects, only the best joins it in this round: what stays far below the best so far
+        is given up early, and asked again in the next.
+        """
         tried: list[Ranked] = []
         self.seconds.clear()
+        most = 0.0
         for effect in effects:
             progress(effect.name)
             began = perf_counter()
-            begun = [self._begun(form, start) for form, starts in self.plans(effect) for start in starts]
+            hope = max(self._worth, FAR_BELOW * most) if self.scanner.worth else self._worth
+            begun = [
+                self._begun(form, start, hope) for form, starts in self.plans(effect) for start in starts
+            ]
             begun.sort(key=lambda ranked: -ranked.evidence)
             tried += begun[:1] + [ranked for ranked in begun[1:] if ranked.gain > self._worth]
+            most = max([most, *(ranked.gain for ranked in begun)])
             self.seconds[effect.name] = perf_counter() - began
         best: dict[str, Ranked] = {}
         near = self._near(tried)
@@ -171,12 +180,16 @@ class Bank:
         tried = [self.fit(form, start) for form, starts in self.plans(effect) for start in starts]
         return max(tried, key=lambda ranked: ranked.fit.score, default=None)
 
-    def _begun(self, hypothesis: Hypothesis, start: Start) -> Ranked:
-        """Fit one hypothesis at the parent's noise."""
+    def _begun(self, hypothesis: Hypothesis, start: Start, worth: float = 0.0) -> Ranked:
+        """Fit one hypothesis at the parent's noise; what does not get near the gain `worth` is given up early."""
         taken = {(slot.place, slot.run) for slot in self.parent.slots}
         new = [s for s in slots_of(hypothesis, len(self.engine.simulators)) if (s.place, s.run) not in taken]
         slots = (*self.parent.slots, *new)
-        known, noise, hope = self.parent.columns, self.parent.noise, self.parent.score + self._worth
+        known, noise, hope = (
+            self.parent.columns,
+            self.parent.noise,
+            self.parent.score + max(self._worth, worth),
+        )
         linear = start.values is self.parent.values
         fit = self.engine.fit(
             start.values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope, linear=linear

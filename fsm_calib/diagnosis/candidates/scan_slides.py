@@ -48,12 +48,15 @@ class Slides:
         """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win."""
         cells = np.round(centres / PITCH - 0.5).astype(int)
         coarse = centres[cells.sum(axis=1) % 2 == 0]
-        promise = np.array([self.promises(at, RADIUS, FIRST_LOSSES).max() for at in coarse])
+        promise = np.array([self.promises(at, RADIUS, FIRST_LOSSES).max() for at in coarse], dtype=float)
         near = apart(promise, coarse, LOOKED_AT, APART)
         tried = np.unique(np.round(np.vstack([_about(coarse[i]) for i in near]), 6), axis=0)
         promises = np.array([self.promises(at, RADIUS, LOSSES) for at in tried])
         kept = apart(promises.max(axis=1), tried, KEPT, APART)
-        return [self._of_best_radius(tried[i], LOSSES[int(np.argmax(promises[i]))], promises[i].max()) for i in kept]
+        return [
+            self._of_best_radius(tried[i], LOSSES[int(np.argmax(promises[i]))], promises[i].max())
+            for i in kept
+        ]
 
     def promises(self, at: FloatArray, radius: float, losses: Sequence[float]) -> FloatArray:
         """Return the log-likelihood (m,) that a spot wins with each loss of grip."""

@@ -26,6 +26,7 @@ AT_A_TIME = 16  # parameter vectors that are simulated in one call
 REMEMBERED = 4  # filters at so many noises
 NEGLIGIBLE = 0.01  # log-likelihood units: a fit that may be given up does not try a step that promises less
 OPTIMISM = 3.0  # a fit is given up where even so many times the promise of its step would not fulfil its hope
+TRUSTED = 0.6  # a Jacobian whose promise came true to this share serves for the next step, too (chord method)
 PATIENCE = 2  # steps within which a fit must show that it gets anywhere
 
 
@@ -226,11 +227,14 @@ class Engine:
         first = 0 if fixed is None else fixed.shape[1]
         normal = np.eye(len(slots))
         raw: tuple[FloatArray, ...] = ()
-        damping = 1e-6
+        white = np.empty((0, 0))
+        damping, fresh = 1e-6, False
         for iteration in range(steps):
-            raw = jacobian(self.simulators, values, slots[first:], simulated)
-            white = self.white_columns(whiteners, raw)
-            white = white if fixed is None else np.hstack([fixed, white])
+            if not fresh:
+                raw = jacobian(self.simulators, values, slots[first:], simulated)
+                white = self.white_columns(whiteners, raw)
+                white = white if fixed is None else np.hstack([fixed, white])
+            here_fresh, fresh = not fresh, True
             normal, gradient = normal_equations(white, residual, slots, numbers, self.nu)
             better, tried = None, damped_step(normal, gradient, damping, slots, numbers)
             won = promised(normal, gradient, tried - numbers)
@@ -248,12 +252,12 @@ class Engine:
                     break
                 damping = max(damping * 30.0, 1e-3)
                 tried = damped_step(normal, gradient, damping, slots, numbers)
-            if better is None:
+            gain = 0.0 if better is None else better[4] - here
+            if better is not None:
+                values, numbers, simulated, residual, here = better
+            if (gain < SMALL_GAIN and here_fresh) or (iteration + 1 >= PATIENCE and here < hope):
                 break
-            gain = better[4] - here
-            values, numbers, simulated, residual, here = better
-            if gain < SMALL_GAIN or (iteration + 1 >= PATIENCE and here < hope):
-                break
+            fresh = TRUSTED * won < gain < won / TRUSTED
         if refresh or not raw:
             raw = jacobian(self.simulators, values, slots, simulated)
             white = self.white_columns(whiteners, raw)

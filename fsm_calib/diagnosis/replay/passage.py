@@ -27,7 +27,8 @@ MEMORY = 3.0  # s of commands before the run-up: the longest delay that is looke
 class Passages:
     """One recording, ready to be rolled out near places.
 
-    values : (p,) of the parent model; twist : (n, 3) its speeds [m/s, m/s, rad/s] at each event; track with wheel angles.
+    values : (p,) of the parent model; twist : (n, 3) its speeds [m/s, m/s, rad/s] at each event; track : the exogenous
+    path with wheel angles.
     """
 
     simulator: Simulator
@@ -74,7 +75,9 @@ class Passages:
         begin = float(p.time[first]) - RUN_UP
         grid = np.arange(begin, float(p.time[last]) + 2 * GRID_STEP, GRID_STEP)
         start = np.r_[p.reference[first], self.twist[max(first, 1)]]
-        return s.increments_between(rows, first, last, grid, start, self._commands(begin, grid[-1]), self.track)
+        return s.increments_between(
+            rows, first, last, grid, start, self._commands(begin, grid[-1]), self.track
+        )
 
     def _commands(self, begin: float, end: float) -> Drive:
         """Return the commands that act between two times [s]."""
@@ -89,4 +92,3 @@ def passages_of(
 ) -> list[Passages]:
     """Return the passages of all recordings, each with its own row of `values` (R, p)."""
     return [Passages.of(s, v, i) for s, v, i in zip(simulators, values, simulated, strict=True)]
-

@@ -78,7 +78,9 @@ class Simulator:
         time, reference = p.time[part], p.reference[part]
         out = np.empty((len(values), len(time), 5))
         for i, vector in enumerate(values):
-            seen_at = np.ascontiguousarray(robot_time(vector, p.time)[part]) if _acts(vector, "clock") else time
+            seen_at = (
+                np.ascontiguousarray(robot_time(vector, p.time)[part]) if _acts(vector, "clock") else time
+            )
             sample_increments(states[i], grid[0], GRID_STEP, seen_at, time, out[i])
             through_sensor(vector, reference, out[i])
         return out

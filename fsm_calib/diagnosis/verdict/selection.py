@@ -123,7 +123,10 @@ class Selector:
             return None
         wanted = max(self.needed, self.share * selection.effects[0].evidence)
         bank = Bank.on(self.engine, selection.fit, wanted)
-        found = self.ranked(bank, selection.fit, further)
+        before = {r.name: i for i, r in enumerate(selection.rankings[-1])}
+        found = self.ranked(
+            bank, selection.fit, sorted(further, key=lambda e: before.get(e.name, len(before)))
+        )
         rankings = (*selection.rankings, tuple(found))
         if not found or found[0].evidence < wanted:
             return None

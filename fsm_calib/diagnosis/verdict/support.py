@@ -119,11 +119,10 @@ def _in_its_place(engine: Engine, selection: Selection, effect: Ranked, less: Fi
     asked = sorted((r for r in best.values() if r.evidence > worth), key=lambda r: -r.evidence)[:TRIED_AGAIN]
     bank, tried = Bank.on(engine, less), []
     for rival in asked:
-        found = [
-            bank.fit(rival.hypothesis, Start(_moved_in(less, rival), 0.0)),
-            bank.best_of(registry()[rival.name]),
-        ]
-        tried.append(max((r for r in found if r is not None), key=lambda r: r.fit.score))
+        found = [bank.fit(rival.hypothesis, Start(_moved_in(less, rival), 0.0))]
+        if not registry()[rival.name].scan:  # a place or a moment is known from where it was alone
+            found += [r for r in [bank.best_of(registry()[rival.name])] if r is not None]
+        tried.append(max(found, key=lambda r: r.fit.score))
     return [r for r in tried if r.evidence > 0.0]
 
 
