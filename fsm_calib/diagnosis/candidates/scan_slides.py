@@ -47,12 +47,13 @@ class Slides:
     def best(self, centres: FloatArray) -> list[tuple[Spot, float]]:
         """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win."""
         cells = np.round(centres / PITCH - 0.5).astype(int)
-        coarse = centres[cells.sum(axis=1) % 2 == 0]
-        promise = np.array([self.promises(at, RADIUS, FIRST_LOSSES).max() for at in coarse], dtype=float)
+        coarse: FloatArray = centres[cells.sum(axis=1) % 2 == 0]
+        promise: FloatArray = np.array([self.promises(at, RADIUS, FIRST_LOSSES).max() for at in coarse])
         near = apart(promise, coarse, LOOKED_AT, APART)
-        tried = np.unique(np.round(np.vstack([_about(coarse[i]) for i in near]), 6), axis=0)
+        tried: FloatArray = np.unique(np.round(np.vstack([_about(coarse[i]) for i in near]), 6), axis=0)
         promises = np.array([self.promises(at, RADIUS, LOSSES) for at in tried])
-        kept = apart(promises.max(axis=1), tried, KEPT, APART)
+        most: FloatArray = promises.max(axis=1)
+        kept = apart(most, tried, KEPT, APART)
         return [
             self._of_best_radius(tried[i], LOSSES[int(np.argmax(promises[i]))], promises[i].max())
             for i in kept
