@@ -6,7 +6,7 @@ evidence joins, earlier ones are asked again whether a rival does better beside 
 for a sum) and whether they are still needed. It ends where the score tests find nothing left (none of 34 right models
 of two independent generators leaves a surprise above 3.3 but for the edges of places; those that lack an effect leave
 7 to 59), or where nothing in the catalogue has evidence enough. Places and moments are sought again only where the
-tests of places or of time find something.
+tests of places or of time find something, or where they had evidence of their own before.
 """
 
 from __future__ import annotations
@@ -84,7 +84,10 @@ class Selector:
     def grown(self, ranking: Sequence[Ranked]) -> Selection:
         """Return the selection that begins with the first of a ranking on top of the base robot."""
         first = ranking[0]
-        selection = Selection((first,), first.fit, (tuple(ranking),), (self.base,))
+        return self._grown_on(Selection((first,), first.fit, (tuple(ranking),), (self.base,)))
+
+    def _grown_on(self, selection: Selection) -> Selection:
+        """Return the selection with further effects as long as any is worth it."""
         while len(selection.effects) < self.most:
             larger = self._with_one_more(selection)
             if larger is None:
@@ -100,21 +103,44 @@ class Selector:
         Two that cannot be told apart alone may be told apart only by what joined the first of them; so each of the
         nearest is given its own company before they are compared.
         """
-        grown = [self.grown(ranking)]
-        if len(grown[0].effects) == 1:
-            return grown[0]
-        named = {e.name for e in grown[0].effects}
+        best = self.grown(ranking)
+        if len(best.effects) == 1:
+            return best
+        first, named = best.rankings[0][0], {e.name for e in best.effects}
         near = [
             r
             for r in ranking[1 : 1 + BEAM]
-            if r.name not in named
+            if first.name in named
+            and r.name not in named
             and gap_between(self.engine, ranking[0].fit, r.fit).probability < TOLD_APART
         ]
-        grown += [self.grown((r, *(o for o in ranking if o is not r))) for r in near]
-        best = max(grown, key=lambda s: evidence_of(s.fit, self.base, self.engine.count))
+        others = [other for other in (self._led_by(best, r) for r in near) if other is not None]
+        for i, other in enumerate(others):
+            if evidence_of(other.fit, self.base, self.engine.count) > evidence_of(
+                best.fit, self.base, self.engine.count
+            ):
+                best, others[i] = other, best
         said = {e.name for e in best.effects}
-        others = [s for s in grown if s is not best and s.rankings[0][0].name not in said]
-        return replace(best, beside=tuple((s.rankings[0][0], s.fit) for s in others))
+        return replace(
+            best, beside=tuple((s.rankings[0][0], s.fit) for s in others if s.rankings[0][0].name not in said)
+        )
+
+    def _led_by(self, best: Selection, rival: Ranked) -> Selection | None:
+        """Return what grows from a selection with a rival in the place of the first that joined it.
+
+        None where the rival has nothing to say beside the others. It grows on only where it is not beaten as it is.
+        """
+        first = best.rankings[0][0]
+        kept = [e for e in best.effects if e.name != first.name]
+        tried = Bank.on(self.engine, self.without(best.fit, first.name)).best_of(registry()[rival.name])
+        if tried is None or tried.gain <= 0.0:
+            return None
+        led = (rival, *(o for o in best.rankings[0] if o is not rival))
+        rankings = (led, *best.rankings[1 : 1 + len(kept)])
+        other = self._pruned((replace(tried, evidence=rival.evidence), *kept), tried.fit, rankings, self.needed)
+        if gap_between(self.engine, best.fit, other.fit).probability >= TOLD_APART:
+            return other
+        return self._grown_on(other)
 
     def _with_one_more(self, selection: Selection) -> Selection | None:
         """Return the selection with the best further effect, less what it makes needless; None where none is."""
@@ -139,13 +165,14 @@ class Selector:
         left = [t for t in left_over(self.engine, selection.fit, groups) if t.surprise > self.curious]
         regimes = {t.group.regime for t in left}
         named = {e.name for e in selection.effects}
+        hinted = {r.name for ranking in selection.rankings for r in ranking if r.evidence > self.needed}
         return [
             e
             for e in self.catalogue
             if left
             and e.name not in named
-            and (e.where == "anywhere" or regimes & PLACES)
-            and (e.when == "always" or regimes & TIMES)
+            and (e.where == "anywhere" or regimes & PLACES or e.name in hinted)
+            and (e.when == "always" or regimes & TIMES or e.name in hinted)
         ]
 
     def _swapped(
