@@ -62,14 +62,26 @@ def test_a_far_rival_lowers_the_probability_and_a_near_one_joins_the_set():
 
 def test_each_share_that_speaks_against_the_shape_lowers_its_probability():
     sure = shape_probability(support())
-    assert shape_probability(support(beside=200.0)) < 0.5 * sure
-    assert shape_probability(support(instead=300.0)) < 0.5 * sure
+    assert shape_probability(support(beside=400.0)) < 0.5 * sure
+    assert shape_probability(support(instead=800.0)) < 0.5 * sure
     assert shape_probability(support(moved=1.5)) < 0.5 * sure
 
 
 def test_shares_count_and_not_sizes():
-    small, large = support(beside=20.0, added=400.0), support(beside=200.0, added=4000.0)
+    small, large = support(beside=20.0), support(beside=200.0, added=4000.0, instead=-1000.0)
     assert shape_probability(small) == pytest.approx(shape_probability(large))
+
+
+def test_a_remainder_that_could_not_do_the_names_job_is_not_held_against_it():
+    unlike, alike = support(beside=300.0, instead=-500.0), support(beside=300.0, instead=-40.0)
+    assert shape_probability(unlike) == pytest.approx(shape_probability(support()))
+    assert shape_probability(alike) < 0.5
+
+
+def test_an_event_may_be_what_shows_most_of_any_remainder():
+    push = Ranked(Hypothesis("external_push", ("impulse_x",), 0), None, 400.0, 200.0)
+    event = replace(support(beside=300.0, instead=-500.0), effect=push)
+    assert shape_probability(event) < 0.5
 
 
 def test_what_cannot_be_asked_says_nothing_against_a_name():

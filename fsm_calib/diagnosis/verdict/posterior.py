@@ -1,7 +1,7 @@
 r"""How sure is a name? It must add something, beat its rivals, and be the law that it says.
 
     P(name) = P(added > 0) / (1 + sum_r (1 - p_r) / p_r) P(shape)
-    log odds of shape = SURE - LEFT log(1 + left / SCALE) - REPLACED max(replaced, 0) - MOVED max(moved, 0)
+    log odds of shape = SURE - LEFT log(1 + i left / SCALE) - REPLACED max(replaced, 0) - MOVED max(moved, 0)
 
 added, p_r : from the gaps in evidence over nothing and over rival r, each tempered by its own spread from second to
 second (`proof/gap.py`). left, replaced, moved [1] : shares of what the name explains that un-named forms explain beside
@@ -21,13 +21,10 @@ from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.proof.gap import TOLD_APART
 from fsm_calib.diagnosis.verdict.support import Support
 
-SURE = 4.0  # log odds of a name that leaves nothing: 2 in a hundred were wrong for no visible reason
-LEFT, SCALE = 2.6, 0.05  # even odds where forms still explain a fifth of what the name does
-LOOSE_SCALE = (
-    0.2  # of places and moments, whose edges no equation draws exactly, and of robots with own controllers
-)
-REPLACED = 8.0  # even odds where forms do better by half of what the name explains
-MOVED = 4.0  # even odds where each drive asks for a law of its own
+SURE = 3.2  # log odds of a name that leaves nothing
+LEFT, SCALE = 1.5, 0.05  # even odds where forms still explain four tenths of what the name does
+REPLACED = 3.0  # log odds a share by which forms do better in the name's place
+MOVED = 4.0  # log odds a share that is another law in each drive
 
 LARGEST_LOG_ODDS = 30.0
 
@@ -57,10 +54,9 @@ def belief_of(support: Support) -> Belief:
 
 def shape_probability(support: Support) -> float:
     """Return the probability that an effect is the law that its name says, not one that resembles it."""
-    scale = LOOSE_SCALE if support.forms.loose else SCALE
     log_odds = (
         SURE
-        - LEFT * math.log1p(support.left / scale)
+        - LEFT * math.log1p(support.left * support.interchangeable / SCALE)
         - REPLACED * max(support.replaced, 0.0)
         - MOVED * max(support.moved, 0.0)
     )

@@ -32,8 +32,9 @@ POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
 POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
 BETTER = 3.0  # log-likelihood units that make another optimum worth a look
 BEAM = 2  # other first effects that are given company of their own
-RIVALS = 3  # of an earlier effect, asked again beside a new one
-NEAR = 0.3  # of its evidence: a rival that had less does not take its place
+RIVALS = 2  # of an earlier effect, asked again beside a new one
+NEAR = 0.4  # of its evidence: a rival that had less does not take its place
+SURELY_NEEDED = 8.0  # times the evidence wanted, by its own deviation: an effect that is not taken out to see
 
 PLACES = {"place", "place and heading"}
 TIMES = {"time", "moment", "wear and warmth"}
@@ -61,8 +62,8 @@ class Selection:
 class Selector:
     """Selects effects for the recordings of one robot.
 
-    needed : evidence that each effect must add to all the others; share : of the first's that a further one must have;
-    curious : -log10 p of what is left above which a further one is looked for; most : effects at most.
+    needed : evidence that each effect must add to all the others; share : of what the first had alone that a further
+    one must have; curious : -log10 p of what is left above which a further one is looked for; most : effects at most.
     """
 
     engine: Engine
@@ -106,6 +107,7 @@ class Selector:
         best = self.grown(ranking)
         if len(best.effects) == 1:
             return best
+        best = self.weighed(best, self._wanted(best))
         first, named = best.rankings[0][0], {e.name for e in best.effects}
         near = [
             r
@@ -137,17 +139,20 @@ class Selector:
             return None
         led = (rival, *(o for o in best.rankings[0] if o is not rival))
         rankings = (led, *best.rankings[1 : 1 + len(kept)])
-        other = self._pruned((replace(tried, evidence=rival.evidence), *kept), tried.fit, rankings, self.needed)
+        other = self._pruned(
+            (replace(tried, evidence=rival.evidence), *kept), tried.fit, rankings, self.needed
+        )
         if gap_between(self.engine, best.fit, other.fit).probability >= TOLD_APART:
             return other
-        return self._grown_on(other)
+        grown = self._grown_on(other)
+        return grown if grown is other else self.weighed(grown, self._wanted(grown))
 
     def _with_one_more(self, selection: Selection) -> Selection | None:
         """Return the selection with the best further effect, less what it makes needless; None where none is."""
         further = self._worth_asking(selection)
         if not further:
             return None
-        wanted = max(self.needed, self.share * selection.effects[0].evidence)
+        wanted = self._wanted(selection)
         bank = Bank.on(self.engine, selection.fit, wanted)
         before = {r.name: i for i, r in enumerate(selection.rankings[-1])}
         found = self.ranked(
@@ -157,7 +162,11 @@ class Selector:
         if not found or found[0].evidence < wanted:
             return None
         effects, fit = self._swapped((*selection.effects, found[0]), found[0].fit, rankings)
-        return self._pruned(effects, fit, rankings, wanted)
+        return self._pruned(effects, fit, rankings, wanted, sparing=True)
+
+    def _wanted(self, selection: Selection) -> float:
+        """Return the evidence that a further effect must have."""
+        return max(self.needed, self.share * selection.rankings[0][0].evidence)
 
     def _worth_asking(self, selection: Selection) -> list[Effect]:
         """Return the effects that what is left could be; none where nothing is left."""
@@ -199,11 +208,24 @@ class Selector:
         fit: Fit,
         rankings: tuple[tuple[Ranked, ...], ...],
         wanted: float,
+        sparing: bool = False,
     ) -> Selection:
-        """Take out, least missed first, what the others do without; the rest with what each adds to the others."""
+        """Take out, least missed first, what the others do without; the rest with what each adds to the others.
+
+        sparing : what stands out by its own deviation is not taken out to see; it has its evidence from that, and
+        nothing in `dropped`.
+        """
         while True:
-            dropped = [self.without(fit, e.name) if len(effects) > 1 else self.base for e in effects]
-            added = [evidence_of(fit, less, self.engine.count) for less in dropped]
+            sure = [_own_evidence(fit, e.name) if sparing else 0.0 for e in effects]
+            sparing_of = [own > SURELY_NEEDED * wanted for own in sure]
+            dropped = [
+                fit if spared else self.without(fit, e.name) if len(effects) > 1 else self.base
+                for e, spared in zip(effects, sparing_of, strict=True)
+            ]
+            added = [
+                own if spared else evidence_of(fit, less, self.engine.count)
+                for own, less, spared in zip(sure, dropped, sparing_of, strict=True)
+            ]
             least = int(np.argmin(added))
             if len(effects) == 1 or added[least] >= wanted:
                 break
@@ -214,11 +236,17 @@ class Selector:
         )
         return Selection(ranked, fit, rankings, tuple(dropped[i] for i in order))
 
+    def weighed(self, selection: Selection, wanted: float) -> Selection:
+        """Return the selection with each effect taken out in turn, all others re-fitted."""
+        return self._pruned(selection.effects, selection.fit, selection.rankings, wanted)
+
     def without(self, fit: Fit, name: str) -> Fit:
         """Return the fit without one of its effects, everything else and the noise fitted again from where it was."""
         table, engine = parameter_table(), self.engine
-        slots = [s for s in fit.slots if table.owner[s.place] != name]
-        less = engine.fit(switched_off(fit.values, [name]), slots, fit.noise)
+        kept = [i for i, s in enumerate(fit.slots) if table.owner[s.place] != name]
+        known = tuple(columns[:, :, kept] for columns in fit.columns)
+        slots = [fit.slots[i] for i in kept]
+        less = engine.fit(switched_off(fit.values, [name]), slots, fit.noise, known=known)
         less = engine.refit_noise(less, SPEED_NOISE, 3)
         return engine.fit(less.values, less.slots, less.noise, steps=6)
 
@@ -234,3 +262,13 @@ class Selector:
             if r.evidence >= max(limit, 0.0)
         ]
         return sorted(leaders + ranking[len(leaders) :], key=lambda r: -r.evidence)
+
+
+def _own_evidence(fit: Fit, name: str) -> float:
+    """Return what an effect seems to add by its strengths and their covariance (Wald): chi-square minus its cost."""
+    table, null = parameter_table(), parameter_table().null
+    own = [
+        i for i, s in enumerate(fit.slots) if table.owner[s.place] == name and table.entries[s.place].strength
+    ]
+    offset = fit.slot_values()[own] - null[[fit.slots[i].place for i in own]]
+    return float(offset @ np.linalg.pinv(fit.covariance[np.ix_(own, own)]) @ offset)

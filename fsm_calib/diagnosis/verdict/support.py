@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fsm_calib.diagnosis.candidates.hypotheses import Start
+from fsm_calib.diagnosis.candidates.hypotheses import Start, is_event
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.form_test import Contest, contest
@@ -17,7 +17,10 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
-TRIED_AGAIN = 4  # names that are fitted in an effect's place beside the others
+HOPELESS = (
+    1.0  # times what an effect adds that forms explain beside it: no name comes of it, and no rival is asked
+)
+TRIED_AGAIN = 3  # names that are fitted in an effect's place beside the others
 WORTH_ASKING = 0.3  # of the effect's evidence: a name that had less of it alone is no rival
 
 
@@ -64,6 +67,18 @@ class Support:
         return (self.forms.instead - max(self.forms.beside, 0.0)) / max(self.added.evidence, 1.0)
 
     @property
+    def interchangeable(self) -> float:
+        """How much of the effect's own job un-named forms could do, 0 to 1.
+
+        What is left is held against a name as far as the forms that explain it could stand for the name: a remainder
+        of another kind says that something is missing, not that this name is wrong. An event is no job: whatever is
+        missing may show most in one second.
+        """
+        if is_event(registry()[self.name]):
+            return 1.0
+        return min(max(1.0 + self.forms.instead / max(self.added.evidence, 1.0), 0.0), 1.0)
+
+    @property
     def moved(self) -> float:
         """The share of the effect that is another one in each drive, 0 where that cannot be asked."""
         return self.law.moved if math.isfinite(self.law.moved) else 0.0
@@ -79,6 +94,9 @@ def supports_of(engine: Engine, selection: Selection) -> tuple[Support, ...]:
 
 def _support(engine: Engine, selection: Selection, effect: Ranked, less: Fit) -> Support:
     fit = selection.fit
+    added, forms = gap_between(engine, fit, less), contest(engine, less, fit, [effect.name])
+    if forms.beside > HOPELESS * max(added.evidence, 1.0):
+        return Support(effect, less, added, (), OneLaw(math.nan, ()), forms)
     first = effect.name == _led_by(selection)
     company = {
         r.name: RivalGap(r.name, gap_between(engine, fit, other), other) for r, other in selection.beside
@@ -92,10 +110,10 @@ def _support(engine: Engine, selection: Selection, effect: Ranked, less: Fit) ->
     return Support(
         effect,
         less,
-        gap_between(engine, fit, less),
+        added,
         tuple(sorted(rivals, key=lambda rival: rival.gap.evidence)),
         one_law(engine, less, fit, effect.name),
-        contest(engine, less, fit, [effect.name]),
+        forms,
     )
 
 
