@@ -15,6 +15,7 @@ from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.diagnosis.sized import identified_facts, sized
 from fsm_calib.diagnosis.verdict.explain import estimates
 from fsm_calib.diagnosis.verdict.verdict import Estimate
+from fsm_calib.diagnosis.verdict.weight import weighed, weight_of
 from fsm_calib.errors import DataError
 from fsm_calib.recording.recording import Recording
 from fsm_calib.world2d.effects import registry
@@ -139,7 +140,7 @@ def sizes_of(diagnosis: Diagnosis) -> dict[str, dict[str, Estimate]]:
     """Return the fitted numbers of every effect that a diagnosis has, named or not; events are left out."""
     model = diagnosis.decision.model
     return {
-        ranked.name: estimates(ranked, model.fit)
+        ranked.name: weighed(estimates(ranked, model.fit), weight_of(diagnosis.decision.engine.simulators))
         for ranked in model.effects
         if registry()[ranked.name].scan != "time"
     }

@@ -17,6 +17,7 @@ from fsm_calib.diagnosis.verdict.decide import Decision, decide
 from fsm_calib.diagnosis.verdict.explain import verdict_of
 from fsm_calib.diagnosis.verdict.refute import refuted
 from fsm_calib.diagnosis.verdict.verdict import Verdict
+from fsm_calib.diagnosis.verdict.weight import untold_mass
 from fsm_calib.recording.recording import Recording
 
 
@@ -71,5 +72,5 @@ def diagnose(
     decision.seconds["proof"] = perf_counter() - began
     decision = refuted(decision, train, holdout, new)
     verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
-    notes = (*taken.notes, *at_bounds(decision.base))
+    notes = (*taken.notes, *at_bounds(decision.base), *untold_mass(verdict.effects, simulators))
     return Diagnosis(verdict, decision, train, holdout, new, notes)

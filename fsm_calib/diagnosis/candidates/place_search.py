@@ -15,11 +15,12 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
-SPREADS = (0.12, 0.03, 0.01)  # m, standard deviations of centres, round by round
+SPREADS = (0.12, 0.03, 0.01)  # m, standard deviations of a small robot's centres, round by round
 SIZE_PER_METRE = 2.5  # standard deviation of a size's logarithm for each metre of that of the centre [1/m]
 DRAWN, ELITE = 144, 6  # candidates of a round, and how many of all so far the next is drawn about
 STEPS = 8
@@ -35,9 +36,10 @@ def placed(engine: Engine, fit: Fit, effects: Sequence[Ranked], rng: np.random.G
 
 def _searched(engine: Engine, fit: Fit, ranked: Ranked, rng: np.random.Generator) -> Fit:
     drawn, likelihood = fit.values[:1], np.array([fit.log_likelihood])
+    size = robot_size(float(engine.simulators[0].prepared.geometry[0]))
     for spread in SPREADS:
         best = drawn[np.argsort(-likelihood)[:ELITE]]
-        more = _drawn(best, ranked, spread, DRAWN // len(best), rng)
+        more = _drawn(best, ranked, spread, DRAWN // len(best), rng, size)
         drawn = np.concatenate([drawn, more])
         likelihood = np.append(likelihood, _judged(engine, fit, more))
     winner = drawn[int(np.argmax(likelihood))]
@@ -59,15 +61,22 @@ def _own_places(ranked: Ranked) -> np.ndarray:
 
 
 def _drawn(
-    about: FloatArray, ranked: Ranked, spread: float, count: int, rng: np.random.Generator
+    about: FloatArray,
+    ranked: Ranked,
+    spread: float,
+    count: int,
+    rng: np.random.Generator,
+    size: float,
 ) -> FloatArray:
-    """Return `count` vectors about each of `about` (k, p): centres moved by `spread` [m], sizes by a factor."""
+    """Return `count` vectors about each of `about` (k, p): centres moved by `size` times `spread` [m], sizes by a
+    factor; size : of the robot, as `robot_size` tells it.
+    """
     table = parameter_table()
     drawn = np.repeat(about, count, axis=0)
     for place in np.flatnonzero(_own_places(ranked)):
         entry, noise = table.entries[place], rng.normal(size=len(drawn))
         if entry.name in ("x", "y"):
-            drawn[:, place] += spread * noise
+            drawn[:, place] += size * spread * noise
         else:
             drawn[:, place] *= np.exp(SIZE_PER_METRE * spread * noise)
         drawn[:, place] = np.clip(drawn[:, place], entry.low, entry.high)

@@ -32,6 +32,7 @@ from fsm_calib.diagnosis.candidates.scan_slides import slides
 from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
 from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import place_centres
@@ -94,22 +95,27 @@ class Scanner:
 
     def places(self) -> FloatArray:
         """Return candidate centres (m, 2) [m]."""
-        return place_centres(self.situations, PITCH)
+        return place_centres(self.situations, self.size * PITCH)
+
+    @property
+    def size(self) -> float:
+        """How large the robot is beside a small one [1]."""
+        return robot_size(self.situations[0].half)
 
     def drag_areas(self, effect: Effect) -> list[Candidate]:
         """Return areas of rough floor, felt under each wheel or under the body's middle, moved and resized uphill."""
         areas = [
             replace(area, spread=spread)
-            for area in [*boxes(self.places()), *strips(self.situations)]
+            for area in [*boxes(self.places(), self.size), *strips(self.situations)]
             for spread in (0.0, 1.0)
         ]
         promise = self._drags(areas)
         found = []
         centres = np.array([(area.x, area.y) for area in areas])
-        for i in apart(promise, centres, KEEP, 1.5 * PITCH):
+        for i in apart(promise, centres, KEEP, 1.5 * self.size * PITCH):
             if self.hopeless(float(promise[i])):
                 continue
-            best, gain = settled(areas[i], self._drags)
+            best, gain = settled(areas[i], self._drags, self.size)
             found.append(Candidate(best.numbers(effect), gain))
         return found
 
@@ -120,7 +126,8 @@ class Scanner:
 
     def slippery_areas(self, effect: Effect) -> list[Candidate]:
         """Return discs of low friction: there the robot neither starts, stops nor turns as told."""
-        found = slides(self.parent, self.residual, place_centres(self.situations, PITCH, beside=True), effect)
+        centres = place_centres(self.situations, self.size * PITCH, beside=True)
+        found = slides(self.parent, self.residual, centres, effect, self.size)
         return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
     def markers(self, effect: Effect) -> list[Candidate]:
@@ -137,7 +144,7 @@ class Scanner:
 
     def _markers(self, effect: Effect, jumps: Sequence[Jumps], shifted: bool) -> list[Candidate]:
         """Return the best discs: jumps alone miss a faint turn that the poses inside show together."""
-        discs = likely_discs(jumps, shifted, MARKERS_TRIED)
+        discs = likely_discs(jumps, shifted, MARKERS_TRIED, self.size)
         wins = tried_out(self.parent, self.residual, [disc.changes(effect) for disc in discs])
         promise = [max(disc.promise, float(win)) for disc, win in zip(discs, wins, strict=True)]
         best = np.argsort(-np.array(promise))[:KEEP]
@@ -176,7 +183,7 @@ class Scanner:
 
     def tried_places(self, effect: Effect) -> list[Candidate]:
         """Return places where any effect of a place promises most, tried by simulation."""
-        found = tried_places(Trial(effect, self.parent, self.residual), self.places())
+        found = tried_places(Trial(effect, self.parent, self.residual), self.places(), self.size)
         return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
     def tried_spans(self, effect: Effect) -> list[Candidate]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import body_columns
 from fsm_calib.types import FloatArray
@@ -54,30 +55,32 @@ class Area:
 Judge = Callable[[Sequence[Area]], FloatArray]
 
 
-def boxes(centres: FloatArray) -> list[Area]:
-    """Return squares of several sizes around centres (m, 2) [m]."""
-    return [Area(float(x), float(y), r, r, roundness=0.0) for r in RADII for x, y in centres]
+def boxes(centres: FloatArray, size: float = 1.0) -> list[Area]:
+    """Return squares of several sizes around centres (m, 2) [m], `size` times those of a small robot."""
+    radii = [size * r for r in RADII]
+    return [Area(float(x), float(y), r, r, roundness=0.0) for r in radii for x, y in centres]
 
 
 def strips(situations: Sequence[Situation]) -> list[Area]:
     """Return strips along both axes over the visited floor."""
-    found = []
-    for half in STRIPS:
-        for at in _line([s.x for s in situations]):
-            found.append(Area(float(at), 0.0, half, LONG, roundness=0.0))
-        for at in _line([s.y for s in situations]):
-            found.append(Area(0.0, float(at), LONG, half, roundness=0.0))
+    found, size = [], robot_size(situations[0].half)
+    for half in (size * width for width in STRIPS):
+        for at in _line([s.x for s in situations], size):
+            found.append(Area(float(at), 0.0, half, size * LONG, roundness=0.0))
+        for at in _line([s.y for s in situations], size):
+            found.append(Area(0.0, float(at), size * LONG, half, roundness=0.0))
     return found
 
 
-def _line(tracks: Sequence[FloatArray]) -> FloatArray:
-    return np.arange(min(float(t.min()) for t in tracks), max(float(t.max()) for t in tracks), STRIP_PITCH)
+def _line(tracks: Sequence[FloatArray], size: float) -> FloatArray:
+    low, high = min(float(t.min()) for t in tracks), max(float(t.max()) for t in tracks)
+    return np.arange(low, high, size * STRIP_PITCH)
 
 
-def settled(area: Area, judge: Judge) -> tuple[Area, float]:
-    """Move and resize an area while that promises more; return it with its promise."""
+def settled(area: Area, judge: Judge, size: float = 1.0) -> tuple[Area, float]:
+    """Move and resize an area while that promises more, by steps `size` times a small robot's; return its promise."""
     best, gain = area, float(judge([area])[0])
-    for step in SETTLE_STEPS:
+    for step in (size * step for step in SETTLE_STEPS):
         for _ in range(ROUNDS):
             tried = list(neighbours(best, step))
             promise = judge(tried)

@@ -75,23 +75,33 @@ class Trial:
         return any(p.strength and p.low < p.null for p in self.effect.parameters)
 
 
-def tried_places(trial: Trial, centres: FloatArray) -> list[tuple[dict[str, float], float]]:
-    """Return the most promising places about `centres` (m, 2) [m], moved and resized uphill: changes, promise."""
+def tried_places(
+    trial: Trial, centres: FloatArray, size: float = 1.0
+) -> list[tuple[dict[str, float], float]]:
+    """Return the most promising places about `centres` (m, 2) [m], moved and resized uphill: changes, promise.
+
+    size : of the robot, as `robot_size` tells it.
+    """
     found = []
     for strength in trial.strengths():
-        areas = boxes(centres)
+        areas = boxes(centres, size)
         promise = trial.promises([{**area.numbers(trial.effect), **strength} for area in areas])
         at = np.array([(area.x, area.y) for area in areas])
-        found += [(areas[i], strength, float(promise[i])) for i in apart(promise, at, KEPT, PLACES_APART)]
+        found += [
+            (areas[i], strength, float(promise[i])) for i in apart(promise, at, KEPT, size * PLACES_APART)
+        ]
     found.sort(key=lambda place: -place[2])
     at, promise = np.array([(a.x, a.y) for a, _, _ in found]), np.array([p for _, _, p in found])
-    return [_settled(trial, *found[i]) for i in apart(promise, at, KEPT, PLACES_APART)] if found else []
+    kept = apart(promise, at, KEPT, size * PLACES_APART) if found else []
+    return [_settled(trial, *found[i], size) for i in kept]
 
 
-def _settled(trial: Trial, area: Area, strength: Changes, promise: float) -> tuple[dict[str, float], float]:
+def _settled(
+    trial: Trial, area: Area, strength: Changes, promise: float, size: float
+) -> tuple[dict[str, float], float]:
     """Move and resize a place while that promises more."""
     best, gain = area, promise
-    for step in SETTLE_STEPS:
+    for step in (size * step for step in SETTLE_STEPS):
         for _ in range(ROUNDS):
             tried = {tuple(a.numbers(trial.effect).values()): a for a in neighbours(best, step)}
             areas = list(tried.values())

@@ -24,6 +24,7 @@ from numba import njit
 from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.scan_areas import Area
 from fsm_calib.diagnosis.replay.prepared import Prepared
+from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 
@@ -118,17 +119,21 @@ def _over(
     return np.clip(jump, -largest * spread, largest * spread), spread
 
 
-def likely_discs(jumps: Sequence[Jumps], shifted: bool, kept: int = KEPT) -> list[Disc]:
-    """Return the most promising discs, apart from each other: of a turned marker, or of one `shifted` as well."""
+def likely_discs(jumps: Sequence[Jumps], shifted: bool, kept: int = KEPT, size: float = 1.0) -> list[Disc]:
+    """Return the most promising discs, apart from each other: of a turned marker, or of one `shifted` as well.
+
+    size : of the robot, as `robot_size` tells it.
+    """
     place = np.vstack([j.place for j in jumps])
     wide = Frames.of(place, [(j.wide, j.wide_spread) for j in jumps])
     narrow = Frames.of(place, [(j.jump, j.spread) for j in jumps])
-    discs = _grid(place)
+    discs = _grid(place, size)
     promise = wide.numbers(discs, shifted)[:, 0]
     any_good = promise > 0.0
     promise, discs = promise[any_good], discs[any_good]
-    best = [discs[i] for i in apart(promise, discs[:, :2], kept, APART)]
-    moved = [narrow.moved(wide.moved(disc, MOVED_WIDE, shifted), MOVED, shifted) for disc in best]
+    best = [discs[i] for i in apart(promise, discs[:, :2], kept, size * APART)]
+    by = [[size * step for step in steps] for steps in (MOVED_WIDE, MOVED)]
+    moved = [narrow.moved(wide.moved(disc, by[0], shifted), by[1], shifted) for disc in best]
     return sorted((narrow.disc(disc, shifted) for disc in moved), key=lambda disc: -disc.promise)
 
 
@@ -140,8 +145,9 @@ def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray],
     if not all(p.poses.placed for p in prepared):
         return -np.inf
     jumps = [jumps_of(p, s, SURE_JUMP) for p, s in zip(prepared, simulated, strict=True)]
-    best = max((disc.promise for disc in likely_discs(jumps, shifted=False)), default=0.0)
-    discs = len(_grid(np.vstack([j.place for j in jumps])))
+    size = robot_size(float(prepared[0].geometry[0]))
+    best = max((disc.promise for disc in likely_discs(jumps, shifted=False, size=size)), default=0.0)
+    discs = len(_grid(np.vstack([j.place for j in jumps]), size))
     return float(2.0 * best - DISC_NUMBERS * np.log(count) - 2.0 * np.log(discs))
 
 
@@ -178,12 +184,11 @@ class Frames:
         return Disc(x, y, radius, turn, shift_x, shift_y, promise)
 
 
-def _grid(place: FloatArray) -> FloatArray:
+def _grid(place: FloatArray, size: float) -> FloatArray:
     """Return discs (m, 3): x, y, radius [m] over the visited floor and the largest radius beyond it."""
-    low, high = place.min(axis=0) - RADII[-1], place.max(axis=0) + RADII[-1]
-    x, y, r = np.meshgrid(
-        np.arange(low[0], high[0], CENTRE_PITCH), np.arange(low[1], high[1], CENTRE_PITCH), RADII
-    )
+    radii, pitch = size * RADII, size * CENTRE_PITCH
+    low, high = place.min(axis=0) - radii[-1], place.max(axis=0) + radii[-1]
+    x, y, r = np.meshgrid(np.arange(low[0], high[0], pitch), np.arange(low[1], high[1], pitch), radii)
     return np.column_stack([x.ravel(), y.ravel(), r.ravel()])
 
 

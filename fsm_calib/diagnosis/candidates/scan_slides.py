@@ -37,23 +37,28 @@ Spot = dict[str, float]
 
 @dataclass(frozen=True, eq=False)
 class Slides:
-    """Spots tried over one parent fit."""
+    """Spots tried over one parent fit; size : of the robot, as `robot_size` tells it."""
 
     parent: Fit
     residual: Residual
     effect: Effect
     passages: list[Passages]
+    size: float = 1.0
 
     def best(self, centres: FloatArray) -> list[tuple[Spot, float]]:
         """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win."""
-        cells = np.round(centres / PITCH - 0.5).astype(int)
+        cells = np.round(centres / (self.size * PITCH) - 0.5).astype(int)
         coarse: FloatArray = centres[cells.sum(axis=1) % 2 == 0]
-        promise: FloatArray = np.array([self.promises(at, RADIUS, FIRST_LOSSES).max() for at in coarse])
-        near = apart(promise, coarse, LOOKED_AT, APART)
-        tried: FloatArray = np.unique(np.round(np.vstack([_about(coarse[i]) for i in near]), 6), axis=0)
-        promises = np.array([self.promises(at, RADIUS, LOSSES) for at in tried])
+        promise: FloatArray = np.array(
+            [self.promises(at, self.size * RADIUS, FIRST_LOSSES).max() for at in coarse]
+        )
+        near = apart(promise, coarse, LOOKED_AT, self.size * APART)
+        tried: FloatArray = np.unique(
+            np.round(np.vstack([_about(coarse[i], self.size * PITCH) for i in near]), 6), axis=0
+        )
+        promises = np.array([self.promises(at, self.size * RADIUS, LOSSES) for at in tried])
         most: FloatArray = promises.max(axis=1)
-        kept = apart(most, tried, KEPT, APART)
+        kept = apart(most, tried, KEPT, self.size * APART)
         return [
             self._of_best_radius(tried[i], LOSSES[int(np.argmax(promises[i]))], promises[i].max())
             for i in kept
@@ -72,21 +77,27 @@ class Slides:
         return winnings(self.residual, self.residual.engine.white_columns(self.residual.whiteners, columns))
 
     def _of_best_radius(self, at: FloatArray, loss: float, promise: float) -> tuple[Spot, float]:
-        promises = [float(promise), *(float(self.promises(at, radius, (loss,))[0]) for radius in RADII)]
+        radii = [self.size * radius for radius in RADII]
+        promises = [float(promise), *(float(self.promises(at, radius, (loss,))[0]) for radius in radii)]
         best = int(np.argmax(promises))
-        return self._spot(at, (RADIUS, *RADII)[best], loss), promises[best]
+        return self._spot(at, (self.size * RADIUS, *radii)[best], loss), promises[best]
 
     def _spot(self, at: FloatArray, radius: float, loss: float) -> Spot:
         acting = {f"{self.effect.name}.spread": 0.0, f"{self.effect.name}.loss": loss}
         return Area(float(at[0]), float(at[1]), radius, radius).numbers(self.effect) | acting
 
 
-def _about(at: FloatArray) -> FloatArray:
-    """Return a centre (2,) [m] and its four neighbours, (5, 2)."""
-    return at + PITCH * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+def _about(at: FloatArray, pitch: float) -> FloatArray:
+    """Return a centre (2,) [m] and its four neighbours at `pitch` [m], (5, 2)."""
+    return at + pitch * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
 
 
-def slides(parent: Fit, residual: Residual, centres: FloatArray, effect: Effect) -> list[tuple[Spot, float]]:
-    """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win as such."""
+def slides(
+    parent: Fit, residual: Residual, centres: FloatArray, effect: Effect, size: float = 1.0
+) -> list[tuple[Spot, float]]:
+    """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win as such.
+
+    size : of the robot, as `robot_size` tells it.
+    """
     passages = passages_of(residual.engine.simulators, parent.values, parent.simulated)
-    return Slides(parent, residual, effect, passages).best(centres)
+    return Slides(parent, residual, effect, passages, size).best(centres)

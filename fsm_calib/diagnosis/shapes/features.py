@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.types import FloatArray
 
@@ -108,7 +109,7 @@ def feature_groups(situations: list[Situation]) -> Iterator[Group]:
     commands = np.linspace(-limit, limit, 9)
     speed = max(float(np.quantile(np.abs(s.v), 0.98)) for s in situations) or 0.1
     spin = max(float(np.quantile(np.abs(s.omega), 0.98)) for s in situations) or 0.1
-    centres = place_centres(situations, PLACE_PITCH)
+    centres = place_centres(situations, place_pitch(situations))
     end = max(float(s.time[-1]) for s in situations)
     slow = np.linspace(0.0, end, max(3, int(end / TIME_PITCH)))
     moving = _moving
@@ -168,6 +169,11 @@ def _group(situations: list[Situation], channel: str, regime: str, put: Channell
     return Group(channel, regime, tuple(blocks), tuple(f"{regime} {i}" for i in range(blocks[0].shape[2])))
 
 
+def place_pitch(situations: list[Situation]) -> float:
+    """Return the distance [m] between the centres of place features, for this robot."""
+    return PLACE_PITCH * robot_size(situations[0].half)
+
+
 def place_centres(situations: list[Situation], pitch: float, beside: bool = False) -> FloatArray:
     """Return centres (m, 2) [m] of a grid over the floor that was visited while moving, and beside it if asked for."""
     cells = {
@@ -186,7 +192,7 @@ def place_centres(situations: list[Situation], pitch: float, beside: bool = Fals
 def _bumps(s: Situation, centres: FloatArray) -> FloatArray:
     """Return Gaussian place functions, width 0.6 pitch."""
     square = (s.x[:, None] - centres[:, 0]) ** 2 + (s.y[:, None] - centres[:, 1]) ** 2
-    return np.exp(-0.5 * square / (0.6 * PLACE_PITCH) ** 2)
+    return np.exp(-0.5 * square / (0.6 * PLACE_PITCH * robot_size(s.half)) ** 2)
 
 
 def hats_xy(s: Situation, centres: FloatArray) -> FloatArray:

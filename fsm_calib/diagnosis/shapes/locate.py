@@ -175,17 +175,18 @@ def _where(
     tests: Sequence[LeftOver], situations: list[Situation], threshold: float
 ) -> dict[str, float] | None:
     """Return the centre of the strongest place function when place is the most surprising thing."""
-    from fsm_calib.diagnosis.shapes.features import PLACE_PITCH, place_centres
+    from fsm_calib.diagnosis.shapes.features import place_centres, place_pitch
 
     strong = [t for t in tests if t.surprise > threshold][:2]
     place = next((t for t in strong if t.group.regime == "place"), None)
     if place is None:
         return None
-    centres = place_centres(situations, PLACE_PITCH)
+    pitch = place_pitch(situations)
+    centres = place_centres(situations, pitch)
     weight = np.abs(place.coefficients)
-    near = np.hypot(*(centres - centres[int(np.argmax(weight))]).T) < 1.5 * PLACE_PITCH
+    near = np.hypot(*(centres - centres[int(np.argmax(weight))]).T) < 1.5 * pitch
     x, y = (weight[near, None] * centres[near]).sum(axis=0) / weight[near].sum()
-    return {"x": round(float(x), 3), "y": round(float(y), 3), "radius": PLACE_PITCH}
+    return {"x": round(float(x), 3), "y": round(float(y), 3), "radius": pitch}
 
 
 def _states(residual: Residual, situations: list[Situation], engine: Engine) -> tuple[str, ...]:

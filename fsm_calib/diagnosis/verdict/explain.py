@@ -15,6 +15,7 @@ from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
 from fsm_calib.diagnosis.verdict.posterior import Belief
 from fsm_calib.diagnosis.verdict.systematic_error import with_doubt
 from fsm_calib.diagnosis.verdict.verdict import ErrorTriple, Estimate, Located, NamedEffect, Rival, Verdict
+from fsm_calib.diagnosis.verdict.weight import weighed, weight_of
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -101,7 +102,8 @@ def sentence(effect: Effect, numbers: dict[str, Estimate], closure: str = "") ->
 def _named(belief: Belief, decision: Decision, shares: dict[str, float]) -> NamedEffect:
     """Return an effect with its numbers; one of a set that cannot be told apart is as sure as the whole set."""
     effect = registry()[belief.name]
-    numbers = estimates(belief.effect, decision.model.fit)
+    weight = weight_of(decision.engine.simulators)
+    numbers = weighed(estimates(belief.effect, decision.model.fit), weight)
     return NamedEffect(
         belief.name,
         belief.probability,
@@ -200,4 +202,5 @@ def _regime(decision: Decision) -> str:
 
 def _smallest(decision: Decision, gates: Gates) -> dict[str, Estimate]:
     sizes = smallest_sizes(decision, gates.detect)
-    return {f"{name}.{p}": Estimate(size, math.nan, unit) for name, (p, size, unit) in sizes.items()}
+    told = {f"{name}.{p}": Estimate(size, math.nan, unit) for name, (p, size, unit) in sizes.items()}
+    return weighed(told, weight_of(decision.engine.simulators))
