@@ -19,7 +19,7 @@ import numpy as np
 from fsm_calib.actions.investigating import InvestigationBench
 from fsm_calib.diagnosis.design.designer import random_drive
 from fsm_calib.outcome import Outcome
-from fsm_calib.runner.investigation import run as runs
+from fsm_calib.runner.investigation import session as runs
 from fsm_calib.runner.investigation.thinking import Mind
 from fsm_calib.runner.loop import run_to_end
 from fsm_calib.runner.progress import Silent
@@ -73,7 +73,7 @@ def main() -> None:
         )
         with tempfile.TemporaryDirectory() as folder:
             designer = partial(random_drive, seconds=12.0)
-            going = runs.session(scenario, Path(folder), (), False, Silent(), designer)
+            going = runs.session(scenario, Path(folder), runs.Before(), False, Silent(), designer)
             run_to_end(going.run)
             going.run.journal.close()
         trace = going.connection.world.truth.trace

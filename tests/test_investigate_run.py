@@ -1,19 +1,27 @@
 """An investigation from its scenario to its answer, and taken up again where it was killed."""
 
+import dataclasses
 import json
 import shutil
 
 import numpy as np
 import pytest
 
+from fsm_calib.actions.notebook import Notebook
 from fsm_calib.commands.run_place import run_directory
-from fsm_calib.errors import InputError
+from fsm_calib.errors import DataError, InputError
+from fsm_calib.perception.camera_files import write_extrinsics, write_intrinsics
+from fsm_calib.perception.extrinsics import floor_homography, rectified_matrix
+from fsm_calib.perception.fleet_camera import fleet_camera
 from fsm_calib.runner.investigation import run as runs
-from fsm_calib.runner.investigation.run import area_of, investigate
+from fsm_calib.runner.investigation.run import investigate
+from fsm_calib.runner.investigation.session import Before, area_of, refuse_blind
+from fsm_calib.runner.knowledge import teach_files
 from fsm_calib.runner.loop import step
 from fsm_calib.runner.progress import Silent
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.scene import scene_of
+from fsm_calib.types import CameraMount
 
 TIMES = ("seconds", "seconds_by_part")
 
@@ -72,7 +80,7 @@ def test_what_is_thought_never_touches_the_world(finished):
 
 
 def test_killed_investigation_goes_on_to_the_same_answer(finished, tmp_path):
-    going = runs.session(HIDDEN, tmp_path, (), False, Silent(), runs.design)
+    going = runs.session(HIDDEN, tmp_path, Before(), False, Silent(), runs.design)
     for _ in range(4):
         step(going.run)
     going.run.journal.close()  # the process is gone; what is on the disk stays
@@ -120,7 +128,7 @@ def test_own_camera_over_markers_tells_the_poses_of_a_drive_and_keeps_markers_in
             },
         }
     )  # fmt: skip
-    going = runs.session(own, tmp_path, (), False, Silent(), runs.design)
+    going = runs.session(own, tmp_path, Before(), False, Silent(), runs.design)
     for _ in range(3):
         step(going.run)
     going.run.journal.close()
@@ -134,3 +142,31 @@ def test_own_camera_over_markers_tells_the_poses_of_a_drive_and_keeps_markers_in
     assert np.median(off) < 0.004
     path = trace[trace[:, 0] > begin][None, ::2, 1:4]
     assert going.mind.area.sight.enough(path).mean() > 0.95
+
+
+def test_robot_of_which_nothing_tells_where_it_is_is_refused_before_it_is_connected(tmp_path):
+    real = Scenario.model_validate({"name": "real", "robot": {"connect": "ros1", "host": "nowhere"}})
+    with pytest.raises(InputError, match="no tracker"):
+        refuse_blind(real, Before())
+    blind = real.model_copy(update={"investigate": real.investigate.model_copy(update={"poses": "camera"})})
+    with pytest.raises(InputError, match="not known"):
+        refuse_blind(blind, Before())
+    refuse_blind(blind, Before(calibration=tmp_path))
+
+
+def test_investigation_is_not_taken_up_with_other_recordings(finished, tmp_path):
+    shutil.copytree(finished[2], tmp_path / "old")
+    drive = finished[0].mind.recordings(finished[0].bench)[0]
+    with pytest.raises(DataError, match="recordings"):
+        investigate(HIDDEN, tmp_path / "old", given=[drive], resume=True)
+
+
+def test_camera_files_of_a_run_tell_where_the_camera_sits(tmp_path):
+    camera, mount = fleet_camera(), CameraMount(0.06, 0.004, 0.104, 0.38, 0.02, 0.05)
+    write_intrinsics(tmp_path / "calibrations" / "camera_intrinsic" / "bot.yaml", camera, "bot")
+    where = tmp_path / "calibrations" / "camera_extrinsic" / "bot.yaml"
+    write_extrinsics(where, floor_homography(mount, rectified_matrix(camera)), "2026-01-01")
+    notebook = Notebook()
+    teach_files(notebook, tmp_path)
+    assert dataclasses.astuple(notebook.mount) == pytest.approx(dataclasses.astuple(mount), abs=1e-6)
+    assert np.allclose(notebook.camera.matrix, camera.matrix, atol=1e-3)

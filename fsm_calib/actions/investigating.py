@@ -54,8 +54,8 @@ class Findings:
     """What an investigation knows: the pose, the next holds and their plan, drives, distance, and the answers.
 
     streak : judgements in a row that found the same names sure; names : of the last judgement. speed, turn : of the
-    robot at command 1 [m/s, rad/s], learnt from moves back. designs : how often a drive was asked for.
-    camera : where poses of the own camera lie on the robot, x, y [m], yaw [rad], as the diagnoses so far found it.
+    robot at command 1 [m/s, rad/s], learnt from moves back. spent : robot time [s]. designs : how often a drive was
+    asked for. camera : where poses of the own camera lie on the robot, x, y [m], yaw [rad], as diagnoses found it.
     """
 
     pose: tuple[float, float, float] | None = None
@@ -68,6 +68,7 @@ class Findings:
     speed: float = NOMINAL_SPEED
     turn: float = NOMINAL_TURN
     designs: int = 0
+    spent: float = 0.0
     camera: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def to_state(self) -> dict[str, Any]:
@@ -265,10 +266,25 @@ def _length(poses: list[PoseRow]) -> float:
     return sum(math.hypot(b[1] - a[1], b[2] - a[2]) for a, b in pairwise(picked))
 
 
-ACTIVITIES: dict[str, Callable[[InvestigationBench], Outcome]] = {
-    "localise": localise,
-    "look_around": look_around,
-    "return_step": return_step,
-    "drive_plan": drive_plan,
+Deed = Callable[[InvestigationBench], Outcome]
+
+
+def timed(deed: Deed) -> Deed:
+    """Return a deed that adds its robot time to what was spent: a real robot's clock also runs while it is thought."""
+
+    def done(bench: InvestigationBench) -> Outcome:
+        begin = bench.robot.now()
+        outcome = deed(bench)
+        bench.findings.spent += bench.robot.now() - begin
+        return outcome
+
+    return done
+
+
+ACTIVITIES: dict[str, Deed] = {
+    "localise": timed(localise),
+    "look_around": timed(look_around),
+    "return_step": timed(return_step),
+    "drive_plan": timed(drive_plan),
 }
 """The activities of an investigation that a robot does, by name."""

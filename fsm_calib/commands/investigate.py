@@ -11,7 +11,7 @@ import typer
 from fsm_calib.commands.files import STANDARD_OUTPUT, check_places, write_file
 from fsm_calib.commands.given import recordings_given
 from fsm_calib.commands.options import EffectsOption
-from fsm_calib.commands.run import read_scenario, with_seed
+from fsm_calib.commands.run import confirm, read_scenario, with_seed
 from fsm_calib.commands.run_place import run_directory
 from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.errors import shown_lines
@@ -19,6 +19,13 @@ from fsm_calib.errors import shown_lines
 if TYPE_CHECKING:
     from fsm_calib.runner.investigation.run import Investigation
     from fsm_calib.scenario.models import Scenario
+
+SAFETY = """The robot at {address} will drive over the area's floor markers by itself, as fast as `investigate.command`.
+It stops itself at the area's edge, by what its own camera sees.
+Ctrl-C, a crash, a program that hangs and a pressed emergency stop put its wheels to zero within 0.3 s.
+When the network itself fails while it drives, nothing here can stop it: a Duckiebot with ROS 1 keeps its last command.
+Stay within reach of it, and keep it off tables."""
+"""Said before a real robot's wheels turn."""
 
 
 def register(app: typer.Typer) -> None:
@@ -34,6 +41,10 @@ def investigate_command(
     given: Annotated[
         list[str] | None,
         typer.Option("--from", metavar="RECORDING", help="Go on from this recording; repeatable."),
+    ] = None,
+    calibration: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="An earlier run's folder: the calibration of the robot's camera."),
     ] = None,
     budget: Annotated[
         float | None,
@@ -53,19 +64,30 @@ def investigate_command(
         bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")
     ] = False,
     seed: Annotated[int | None, typer.Option(help="Another seed than the scenario's.")] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real robot's wheels turn.")] = False,
     effects: EffectsOption = None,
 ) -> None:
     """Drive, diagnose, and design the next drive, until it is settled what the simulation is missing."""
     from fsm_calib.progress.run import ProgressBar
+    from fsm_calib.runner.connecting import address_of
     from fsm_calib.runner.investigation.run import investigate
+    from fsm_calib.runner.investigation.session import Before, refuse_blind
 
     check_places(json_file)
     loaded = asked_of(scenario, robot, budget, seed)
     recordings, _ = recordings_given(given or (), (), tag_map=None)
     directory = run_directory(out, resume, overwrite=overwrite)
+    if loaded.robot.connect != "simulated":
+        refuse_blind(loaded, Before(calibration=calibration))
+        confirm(str(address_of(loaded)), yes, SAFETY)
     with ProgressBar(()) as bar:
         going, result = investigate(
-            loaded, directory, given=recordings, resume=resume is not None, observer=bar
+            loaded,
+            directory,
+            given=recordings,
+            calibration=calibration,
+            resume=resume is not None,
+            observer=bar,
         )
     write_files(going, result, directory)
     tell(result, directory, json_file)

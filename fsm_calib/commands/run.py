@@ -112,7 +112,7 @@ def _drawn(movie: Path | None) -> Draw:
     return draw
 
 
-def confirm(address: str, yes: bool) -> None:
+def confirm(address: str, yes: bool, warning: str = SAFETY) -> None:
     """Say what a real robot will do and what nothing here can prevent, and ask.
 
     Raises
@@ -120,7 +120,7 @@ def confirm(address: str, yes: bool) -> None:
     InputError
         Nobody agreed.
     """
-    typer.echo(SAFETY.format(address=address), err=True)
+    typer.echo(warning.format(address=address), err=True)
     if yes or typer.confirm("Start?", err=True):
         return
     raise InputError("the run was not agreed to", where="--robot", cure="Answer y, or give --yes.")

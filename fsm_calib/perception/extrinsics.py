@@ -22,7 +22,7 @@ from fsm_calib.perception.bundle import fit
 from fsm_calib.perception.chessboard import inspect_board
 from fsm_calib.perception.free_boards import FreeBoards, start_poses
 from fsm_calib.perception.lens import intrinsics_vector, unproject
-from fsm_calib.perception.rotations import base_from_camera, mount_from_pose
+from fsm_calib.perception.rotations import base_from_camera, mount_from_pose, nearest_rotation
 from fsm_calib.types import BoardSpec, BoardView, CameraModel, CameraMount, FloatArray
 
 _LARGEST_RMS_PX = 3.0  # a board that fits worse is not flat, or the camera file is another camera's
@@ -160,6 +160,23 @@ def floor_homography(mount: CameraMount, projection: FloatArray) -> FloatArray:
     )
     homography = np.linalg.inv(image_from_floor)
     return np.asarray(homography / homography[2, 2])
+
+
+def mount_of(homography: FloatArray, projection: FloatArray) -> CameraMount:
+    """Return where the camera sits by a homography from rectified pixels to the floor [m]: undo `floor_homography`.
+
+    projection : (3, 3) of the rectified image [px]. Its inverse is P (r1 r2 t) up to a factor, with r1, r2 the first
+    columns of the rotation from `base` into the camera and t = -R o, o the camera's place; the nearest rotation is
+    taken.
+    """
+    columns = np.linalg.solve(projection[:3, :3], np.linalg.inv(homography))
+    columns = columns / np.sqrt(np.linalg.norm(columns[:, 0]) * np.linalg.norm(columns[:, 1]))
+    if (
+        columns[2, 2] < 0.0
+    ):  # the origin of `base` lies behind or below the camera's middle ray, never so far back
+        columns = -columns
+    rotation = nearest_rotation(np.column_stack([columns[:, :2], np.cross(columns[:, 0], columns[:, 1])]))
+    return mount_from_pose(rotation.T, -rotation.T @ columns[:, 2])
 
 
 def is_corrupt(homography: FloatArray) -> bool:

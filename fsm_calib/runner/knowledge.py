@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from fsm_calib.actions.notebook import Notebook
+from fsm_calib.errors import InputError
+from fsm_calib.perception.camera_files import read_extrinsics, read_intrinsics, read_projection
+from fsm_calib.perception.extrinsics import mount_of
 from fsm_calib.perception.fleet_camera import fleet_camera
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.types import CameraModel, CameraMount
@@ -38,6 +42,34 @@ def teach(notebook: Notebook, scenario: Scenario, robot: RobotSpec) -> None:
     if ratio is not None:
         notebook.wheel_ratio = ratio
         notebook.ratio_history = [ratio]
+
+
+def teach_files(notebook: Notebook, directory: Path) -> None:
+    """Write into the notebook the camera that an earlier run left in ``DIR/calibrations`` (or in `directory` itself).
+
+    Raises
+    ------
+    InputError
+        There is no such file, more than one, or one that cannot be read.
+    """
+    root = directory / "calibrations" if (directory / "calibrations").is_dir() else directory
+    intrinsic, extrinsic = (_only(root / f"camera_{kind}") for kind in ("intrinsic", "extrinsic"))
+    notebook.camera = read_intrinsics(intrinsic)
+    notebook.mount = mount_of(read_extrinsics(extrinsic), read_projection(intrinsic))
+    notebook.mount_known = "all"
+
+
+def _only(folder: Path) -> Path:
+    """Return the one YAML file of a folder."""
+    found = sorted(folder.glob("*.yaml"))
+    if len(found) != 1:
+        problem = f"{len(found)} camera files" if found else "no camera file"
+        raise InputError(
+            problem,
+            where=str(folder),
+            cure="Give the folder that `fsm-calib run` wrote, with the calibration of this robot.",
+        )
+    return found[0]
 
 
 def _camera_known(true: CameraModel, errors: float) -> CameraModel:

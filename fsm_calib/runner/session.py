@@ -109,7 +109,13 @@ def identity(scenario: Scenario, machinery: Machinery = CALIBRATION) -> dict[str
     }
 
 
-DIFFERS = {"scenario": "scenario or seed", "machine": "machine", "version": "version of fsm-calib"}
+DIFFERS = {
+    "scenario": "scenario or seed",
+    "machine": "machine",
+    "version": "version of fsm-calib",
+    "given": "set of recordings (--from)",
+    "camera": "camera (--calibration)",
+}
 """What a checkpoint may belong to another one of."""
 
 

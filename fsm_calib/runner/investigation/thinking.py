@@ -65,7 +65,7 @@ class Mind:
             belief, least = with_doubts(belief), 0.0
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
         findings.designs += 1
-        longest = min(asked.longest, max(asked.budget - bench.robot.now(), SHORTEST_TIME))
+        longest = min(asked.longest, max(asked.budget - findings.spent, SHORTEST_TIME))
         wishes = Wishes(longest=longest, limit=asked.command, least=max(least, 0.01))
         plan = self.designer(belief, self.area, Pose2(*(findings.pose or (0.0, 0.0, 0.0))), rng, wishes)
         if plan is NoDrive.NO_ROOM:
@@ -108,13 +108,13 @@ class Mind:
         names = list(belief.leader.names) if belief is not None else []
         findings.streak = findings.streak + 1 if sure and names == findings.names else int(sure)
         findings.names = names
-        time_left = asked.budget - bench.robot.now() >= SHORTEST_TIME and findings.distance < asked.distance
+        time_left = asked.budget - findings.spent >= SHORTEST_TIME and findings.distance < asked.distance
         evidence = {
             "sure": findings.streak >= CONFIRMATIONS,
             "time_left": time_left,
             "names": names,
             "sureness": 0.0 if belief is None else belief.sureness,
-            "spent": bench.robot.now(),
+            "spent": round(findings.spent, 3),
             "distance": findings.distance,
         }
         return Outcome("answer_judged", evidence, _judged(names, evidence))
