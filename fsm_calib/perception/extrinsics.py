@@ -171,10 +171,12 @@ def mount_of(homography: FloatArray, projection: FloatArray) -> CameraMount:
     """
     columns = np.linalg.solve(projection[:3, :3], np.linalg.inv(homography))
     columns = columns / np.sqrt(np.linalg.norm(columns[:, 0]) * np.linalg.norm(columns[:, 1]))
-    if (
-        columns[2, 2] < 0.0
-    ):  # the origin of `base` lies behind or below the camera's middle ray, never so far back
-        columns = -columns
+    mounts = [_mount_of_columns(sign * columns) for sign in (1.0, -1.0)]
+    return max(mounts, key=lambda mount: mount.height)  # the camera is above the floor
+
+
+def _mount_of_columns(columns: FloatArray) -> CameraMount:
+    """Return the mount of (r1 r2 t)."""
     rotation = nearest_rotation(np.column_stack([columns[:, :2], np.cross(columns[:, 0], columns[:, 1])]))
     return mount_from_pose(rotation.T, -rotation.T @ columns[:, 2])
 
