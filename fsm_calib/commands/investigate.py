@@ -18,6 +18,7 @@ from fsm_calib.errors import shown_lines
 
 if TYPE_CHECKING:
     from fsm_calib.runner.investigation.run import Investigation
+    from fsm_calib.runner.progress import Observer
     from fsm_calib.scenario.models import Scenario
 
 SAFETY = """The robot at {address} will drive over the area's floor markers by itself, as fast as `investigate.command`.
@@ -64,6 +65,10 @@ def investigate_command(
         bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")
     ] = False,
     seed: Annotated[int | None, typer.Option(help="Another seed than the scenario's.")] = None,
+    calibrate: Annotated[
+        Path | None,
+        typer.Option(metavar="SCENARIO", help="Then drive this calibration in the improved world."),
+    ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real robot's wheels turn.")] = False,
     effects: EffectsOption = None,
 ) -> None:
@@ -89,11 +94,28 @@ def investigate_command(
             resume=resume is not None,
             observer=bar,
         )
+        if calibrate is not None and going.mind.diagnosis is not None:
+            drive_afterwards(calibrate, going, result, directory, bar)
     write_files(going, result, directory)
     tell(result, directory, json_file)
     if str(result["ended"]).startswith(("failed", "aborted")):
         typer.echo(f"fsm-calib: {result['reason']} {result['cure']}", err=True)
         raise typer.Exit(1)
+
+
+def drive_afterwards(
+    path: Path, going: Investigation, result: dict[str, Any], directory: Path, observer: Observer
+) -> None:
+    """Drive a calibration in the improved world; add what came of it to the result and to its file."""
+    from fsm_calib.report.diagnosis_world import world_text
+    from fsm_calib.runner.investigation.afterwards import calibrated_afterwards
+    from fsm_calib.runner.investigation.files import RESULT
+
+    if going.mind.diagnosis is None:
+        return
+    world = world_text(going.mind.diagnosis)
+    result["calibration"] = calibrated_afterwards(read_scenario(path), world, directory, observer)
+    write_file(directory / RESULT, json.dumps(result, indent=1) + "\n")
 
 
 def asked_of(path: Path, robot: str | None, budget: float | None, seed: int | None) -> Scenario:
@@ -138,6 +160,10 @@ def tell(result: dict[str, Any], directory: Path, json_file: Path | None) -> Non
         )
     if "verdict" in result:
         lines += summary_lines({**result, "seconds_by_part": result["seconds_by_part"]})
+    for name, row in result.get("calibration", {}).items():
+        lines.append(
+            f"  calibration, {name}: {row['outcome']}, k = {row['wheel_ratio']}, after 2 m {row['deviation_2m_m']} m"
+        )
     if result["ended"] != "done":
         lines.append(f"  {result['reason']} {result['cure']}")
     typer.echo(shown_lines("\n".join([*lines, f"  {directory}/"])))

@@ -30,7 +30,20 @@ def investigation_page(drives: Sequence[Field], area: Area, result: dict[str, An
         ended=result["ended"].replace("_", " ").replace("/", ": "),
         seconds=result["robot"]["seconds"],
         drives=told,
+        fits=fits_of(result),
+        calibrations=result.get("calibration", {}),
     )
+
+
+def fits_of(result: dict[str, Any]) -> list[tuple[str, float, float]]:
+    """Return rows of name, position [mm] and heading [deg]: the error over 2 s before, after, and what noise leaves."""
+    fit = result.get("fit", {})
+    rows = fit.get("holdout") or fit.get("train") or {}
+    return [
+        (name, 1e3 * rows[name]["xy_m"], float(np.degrees(rows[name]["theta_rad"])))
+        for name in ("before", "after", "floor")
+        if rows.get(name) and rows[name].get("theta_rad") is not None
+    ]
 
 
 def driven(drive: Field, area: Area, number: int) -> str:
