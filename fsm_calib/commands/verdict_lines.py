@@ -10,7 +10,7 @@ CLEAR = 3.0  # standard deviations from which a difference is printed
 
 def summary_lines(plain: dict[str, Any]) -> list[str]:
     """Return the verdict as lines of text."""
-    lines = [f"{plain['verdict']}: {plain['reason']}"]
+    lines = [f"{plain['verdict']}: {plain['reason']}", *_drives(plain.get("drives"))]
     for effect in plain["effects"]:
         names = next((group for group in plain["ambiguous"] if effect["name"] in group), [effect["name"]])
         either = " or ".join(sorted(names, key=lambda name: name != effect["name"]))
@@ -36,6 +36,20 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
     lines.append(f"  next: {plain['next_manoeuvre']}")
     parts = ", ".join(f"{name} {seconds:.1f}" for name, seconds in plain["seconds_by_part"].items())
     return [*lines, f"  {plain['seconds']:.1f} s ({parts})"]
+
+
+def _drives(told: dict[str, Any] | None) -> list[str]:
+    """Return what the drives can tell."""
+    if told is None:
+        return []
+    parts = [f"the drives lack {', '.join(told['lack'])}"] if told["lack"] else []
+    parts += (
+        [f"alike in them: {'; '.join(' or '.join(names) for names in told['alike'])}"]
+        if told["alike"]
+        else []
+    )
+    parts += [f"too faint in them: {', '.join(told['faint'])}"] if told["faint"] else []
+    return textwrap.wrap(". ".join(parts), 110, initial_indent="  ", subsequent_indent="    ")
 
 
 def _beside_simulator(told: dict[str, Any]) -> list[str]:

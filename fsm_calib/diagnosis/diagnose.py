@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
+from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
@@ -13,6 +14,7 @@ from fsm_calib.diagnosis.proof.heldout import Comparison, compare
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
 from fsm_calib.diagnosis.replay.simulator import Simulator, make_simulator
+from fsm_calib.diagnosis.verdict.coverage import Coverage, coverage_of
 from fsm_calib.diagnosis.verdict.decide import Decision, decide
 from fsm_calib.diagnosis.verdict.explain import verdict_of
 from fsm_calib.diagnosis.verdict.refute import refuted
@@ -31,6 +33,13 @@ class Diagnosis:
     holdout: Comparison | None
     holdout_simulators: tuple[Simulator, ...]
     notes: tuple[str, ...] = ()
+
+
+def told_by(decision: Decision, without: Iterable[str], gates: Gates) -> Coverage:
+    """Return what the drives of a decision can tell."""
+    simulators = decision.engine.simulators
+    effects = shown_by(catalogue(without), simulators)
+    return coverage_of([s.prepared for s in simulators], decision.bank.prober, effects, gates.detect)
 
 
 def diagnose(
@@ -71,6 +80,8 @@ def diagnose(
     holdout = compare(new, decision.base, decision.model.fit, new=True) if new else None
     decision.seconds["proof"] = perf_counter() - began
     decision = refuted(decision, train, holdout, new)
+    told = told_by(decision, without, gates)
     verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
+    verdict = replace(verdict, drives=told)
     notes = (*taken.notes, *at_bounds(decision.base), *untold_mass(verdict.effects, simulators))
     return Diagnosis(verdict, decision, train, holdout, new, notes)

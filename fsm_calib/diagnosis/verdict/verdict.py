@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from fsm_calib.diagnosis.proof.windows import HorizonError
+from fsm_calib.diagnosis.verdict.coverage import Coverage
 
 VerdictName = Literal["match", "explained", "unexplained"]
 
@@ -69,7 +70,9 @@ class Rival:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """All that `diagnose` says; unnamed : evidence of forms without a name against the effects (`form_test.py`)."""
+    """All that `diagnose` says; unnamed : evidence of forms without a name against the effects (`form_test.py`);
+    drives : what the drives can tell.
+    """
 
     verdict: VerdictName
     effects: tuple[NamedEffect, ...]
@@ -87,6 +90,7 @@ class Verdict:
     unnamed: dict[str, float] = field(default_factory=dict)
     smallest_seen: dict[str, Estimate] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
+    drives: Coverage | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return plain values; numbers that are not finite become null."""
@@ -125,6 +129,7 @@ class Verdict:
             "rivals": [{"name": r.name, "evidence_gap": _number(r.evidence_gap)} for r in self.rivals],
             "unnamed": {name: _number(value) for name, value in self.unnamed.items()},
             "next_manoeuvre": self.next_manoeuvre,
+            "drives": None if self.drives is None else self.drives.as_json(),
             "smallest_seen": _estimates(self.smallest_seen),
             "seconds": _number(sum(self.seconds.values())),
             "seconds_by_part": {name: _number(value) for name, value in self.seconds.items()},
