@@ -1,7 +1,12 @@
 """A headless Chromium for tests, where there is one."""
 
+import json
+import re
 import shutil
 import subprocess
+from collections.abc import Mapping
+from html import unescape
+from pathlib import Path
 
 import pytest
 
@@ -20,3 +25,50 @@ def page_after_scripts(address: str, tmp_path, budget_ms: int = 5000) -> str:
         f"--virtual-time-budget={budget_ms}", "--dump-dom", address,
     ]  # fmt: skip
     return subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout
+
+
+WIDTHS = (390, 1280)
+"""A phone and a desk [px]."""
+PROBE = (Path(__file__).parent / "page_probe.js").read_text(encoding="utf-8").strip().rstrip(";")
+TOLD = re.compile(r'<pre id="told">(.*?)</pre>', re.DOTALL)
+CONSOLE = re.compile(r":CONSOLE[:(].*?(?:Uncaught|Error|Refused|Failed).*")
+
+
+def faults(pages: Mapping[str, str], folder: Path) -> list[str]:
+    """Return what is wrong with pages, given by name, in a browser at both widths, by day and at night.
+
+    Looked for: scrolling sideways, text that is cut, contrast below WCAG's AA, errors of scripts (`page_probe.js`).
+    """
+    frames = []
+    for name, html in pages.items():
+        for width in WIDTHS:
+            asked = f"{name} {width}"
+            tell = f"setTimeout(() => parent.postMessage([{json.dumps(asked)}, {PROBE}], '*'), 300)"
+            (folder / f"{name}-{width}.html").write_text(f"{html}<script>{tell}</script>", encoding="utf-8")
+            frames.append(f'<iframe src="{name}-{width}.html" width="{width}" height="900"></iframe>')
+    gather = "onmessage = e => { told.push(e.data); out.textContent = JSON.stringify(told); }"
+    script = f"<script>const told = [], out = document.getElementById('told'); {gather}</script>"
+    whole = folder / "all.html"
+    whole.write_text(f'<!doctype html><pre id="told"></pre>{script}{"".join(frames)}', encoding="utf-8")
+    return [
+        f"{scheme}: {fault}" for scheme in ("dark", "light") for fault in _told(whole, scheme, len(frames))
+    ]
+
+
+def _told(whole: Path, scheme: str, count: int) -> list[str]:
+    """Return the faults that the frames of a page told, and what the console said."""
+    command = [
+        PROGRAM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={whole.parent / scheme}",
+        f"--blink-settings=preferredColorScheme={0 if scheme == 'dark' else 1}", "--enable-logging=stderr",
+        "--window-size=1400,1000", "--virtual-time-budget=4000", "--dump-dom", whole.as_uri(),
+    ]  # fmt: skip
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    except subprocess.TimeoutExpired:
+        pytest.skip("the browser did not answer in time")
+    found = TOLD.search(done.stdout)
+    assert found is not None, done.stdout[:500]
+    answers = json.loads(unescape(found[1]) or "[]")
+    assert len(answers) == count, [name for name, _ in answers]
+    said = [f"console: {line}" for line in CONSOLE.findall(done.stderr)]
+    return said + [f"{name}: {fault}" for name, told in answers for fault in told]

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from browser import faults, needs_browser, page_after_scripts
 
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.errors import InputError
@@ -61,6 +62,22 @@ def diagnosis() -> Diagnosis:
 @pytest.fixture(scope="module")
 def page(diagnosis: Diagnosis) -> str:
     return diagnosis_page(diagnosis)
+
+
+@needs_browser
+def test_the_page_is_sound_in_a_browser(page: str, tmp_path: Path) -> None:
+    assert faults({"diagnosis": page}, tmp_path) == []
+
+
+@needs_browser
+def test_a_moment_is_shown_on_the_map_too(page: str, tmp_path: Path) -> None:
+    move = "clientX: r.left + 0.5 * r.width, clientY: r.top + 0.7 * r.height, bubbles: true"
+    point = f"""<script>const s = document.querySelector("svg[data-axes]"), r = s.getBoundingClientRect();
+      s.dispatchEvent(new PointerEvent("pointermove", {{{move}}}));</script>"""
+    (tmp_path / "page.html").write_text(page + point, encoding="utf-8")
+    shown = page_after_scripts((tmp_path / "page.html").as_uri(), tmp_path)
+    assert re.search(r'class="cursor"[^>]*>\d+\.\d s, x = ', shown)
+    assert len(re.findall(r'<circle[^>]*class="cursor-mark"[^>]*cx="', shown)) == 4
 
 
 def test_the_page_begins_with_the_answer(page: str) -> None:

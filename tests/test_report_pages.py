@@ -7,7 +7,7 @@ import subprocess
 import threading
 
 import pytest
-from browser import needs_browser, page_after_scripts
+from browser import faults, needs_browser, page_after_scripts
 
 from fsm_calib.report.pages import environment, finished, page
 
@@ -52,6 +52,16 @@ def test_missing_value_of_a_template_is_an_error() -> None:
 
     with pytest.raises(UndefinedError):
         page("study.html.j2")
+
+
+@needs_browser
+def test_what_is_wrong_with_a_page_is_told(tmp_path) -> None:
+    figure = '<svg width="200" height="40"><text x="150" y="20">beyond the edge</text></svg>'
+    body = '<p style="color: #bbb; background: #fff">faint</p><p style="width: 2000px; color: CanvasText">wide</p>'
+    html = f"<!doctype html><body>{body}{figure}<script>nothing.here()</script></body>"
+    found = " ".join(faults({"bad": html}, tmp_path))
+    for fault in ("faint: faint 1.92:1", "scrolls sideways", "cut by its figure: beyond", "console: "):
+        assert fault in found
 
 
 @needs_browser

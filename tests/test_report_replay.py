@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from browser import needs_browser, page_after_scripts
+from browser import faults, needs_browser, page_after_scripts
 from PIL import Image
 
 from fsm_calib.errors import InputError
@@ -56,6 +56,11 @@ def test_page_shows_the_first_moment_without_a_hand(told, tmp_path) -> None:
     shown = page_after_scripts(page.as_uri(), tmp_path)
     assert record.events[0]["path"].replace("/", " / ") in re.search(r'id="replay-state">([^<]*)<', shown)[1]
     assert 'id="replay-clock">0.0 s<' in shown
+
+
+@needs_browser
+def test_page_of_a_run_is_sound_in_a_browser(told, tmp_path) -> None:
+    assert faults({"run": told[1].read_text(encoding="utf-8")}, tmp_path) == []
 
 
 def test_film_shows_as_many_moments_as_it_says(told, tmp_path, monkeypatch) -> None:

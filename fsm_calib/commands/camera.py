@@ -167,7 +167,7 @@ def _write_report(report: Path, result: CameraCalibration, photos: PhotoSet, spe
 
     source = photos.views[0].source
     example = (Path(source).name, read_source(source))
-    write_file(report, camera_report(result, photos.views, spec, example))
+    write_file(report, camera_report(result, photos.views, spec, example, read_source))
 
 
 def _origin(result: CameraCalibration) -> str:

@@ -34,8 +34,7 @@ def error_map(calibration: CameraCalibration) -> str:
             levels=np.linspace(0.0, top, 13),
             cmap="viridis",
         )
-        lines = axes.contour(points[..., 0], points[..., 1], grid, levels=5, colors="white", linewidths=0.6)
-        axes.clabel(lines, fmt="%.2g", fontsize=7)
+        axes.contour(points[..., 0], points[..., 1], grid, levels=5, colors="white", linewidths=0.6)
         fig.colorbar(filled, ax=axes, label="predicted error [px]", shrink=0.85)
         axes.set(
             xlim=(0, camera.width), ylim=(camera.height, 0), xlabel="u [px]", ylabel="v [px]", aspect="equal"
@@ -87,8 +86,8 @@ def coverage_bars(calibration: CameraCalibration) -> str:
         colours = ["#2a9d5c" if value >= 1.0 else "#e08214" for value in values]
         axes.barh(names, values, color=colours, height=0.6)
         for row, value in enumerate(values):
-            axes.text(min(value, 0.93) + 0.01, row, f"{100.0 * value:.0f} %", va="center", fontsize=8)
-        axes.set(xlim=(0.0, 1.02), xticks=[])
+            axes.text(value + 0.01, row, f"{100.0 * value:.0f} %", va="center", fontsize=8)
+        axes.set(xlim=(0.0, 1.12), xticks=[])
         return svg(fig, "Coverage bars")
 
 

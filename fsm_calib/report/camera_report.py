@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from fsm_calib.report.camera_figures import (
     residual_arrows,
     undistorted_view,
 )
+from fsm_calib.report.camera_photos import ENLARGED, overlays
 from fsm_calib.report.camera_words import parameter_rows, verdict
 from fsm_calib.report.pages import page
 from fsm_calib.types import BoardSpec, BoardView
@@ -26,6 +28,7 @@ def camera_report(
     views: Sequence[BoardView],
     board: BoardSpec,
     example: tuple[str, NDArray[np.uint8]] | None = None,
+    read: Callable[[str], NDArray[np.uint8]] | None = None,
 ) -> str:
     """Return the page as HTML.
 
@@ -37,12 +40,16 @@ def camera_report(
     board : BoardSpec
     example : (name, image), optional
         A photo to show undistorted.
+    read : callable, optional
+        Gives the pixels of a view's source; then the worst photos are shown with their corners.
     """
     used = [views[index] for index in calibration.used]
     before, after = ("", "") if example is None else undistorted_view(calibration, example[1])
     return page(
         "camera.html.j2",
         c=calibration,
+        overlays=[] if read is None else overlays(calibration, used, read),
+        enlarged=ENLARGED,
         photos=photo_rows(calibration, used),
         board=board,
         advice=verdict(calibration),
@@ -64,6 +71,11 @@ def photo_rows(calibration: CameraCalibration, used: Sequence[BoardView]) -> lis
     worst = set(calibration.worst_views)
     order = np.argsort(-calibration.view_rms)
     return [
-        (used[view].source, f"{calibration.view_rms[view]:.3f}", int(seen[view]), int(view) in worst)
+        (
+            Path(used[view].source).name,
+            f"{calibration.view_rms[view]:.3f}",
+            int(seen[view]),
+            int(view) in worst,
+        )
         for view in order
     ]

@@ -41,7 +41,7 @@ def error_over_time(drive: Drive, when: Sequence[tuple[float, float]] = ()) -> s
                 axis.axvspan(begin, end, color=BEFORE, alpha=0.15, linewidth=0)
         axes[-1].set(xlabel="time [s]", xlim=(float(drive.time[0]), float(drive.time[-1])))
         axes[-len(rows)].legend(loc="upper right", ncols=3, fontsize=8)
-        return svg(fig, f"Error over time, {drive.title}")
+        return svg(fig, f"Error over time, {drive.title}", dict.fromkeys(axes[-len(rows) :], "time"))
 
 
 def _errors(axis: Axes, drive: Drive, row: int) -> None:
@@ -114,7 +114,7 @@ def error_on_floor(drive: Drive, where: Mapping[str, float] | None = None) -> st
         fig.subplots_adjust(right=0.9)
         bar = fig.add_axes((0.915, 0.12, 0.012, 0.78))
         fig.colorbar(dots, cax=bar, label="position error [mm]")
-        return svg(fig, f"Error on the floor, {drive.title}")
+        return svg(fig, f"Error on the floor, {drive.title}", dict.fromkeys(pair, "floor"))
 
 
 def paths(drive: Drive) -> str:
@@ -130,4 +130,4 @@ def paths(drive: Drive) -> str:
             axis.set(aspect="equal", title=name, xlabel="x [m]")
             axis.legend(loc="upper right", fontsize=8)
         pair[0].set_ylabel("y [m]")
-        return svg(fig, f"Paths, {drive.title}")
+        return svg(fig, f"Paths, {drive.title}", dict.fromkeys(pair, "floor"))

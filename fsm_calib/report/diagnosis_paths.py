@@ -38,6 +38,12 @@ class Drive:
     paths_before: list[FloatArray]
     paths_after: list[FloatArray]
 
+    def track(self, most: int) -> list[list[float | None]]:
+        """Return at most so many rows of time [s] and place x, y [m]; None where the place is not known."""
+        kept = np.linspace(0, len(self.time) - 1, min(len(self.time), most)).round().astype(int)
+        rows = np.column_stack([self.time[kept], self.path[kept, :2]]).round(3).tolist()
+        return [row if self.placed else [row[0], None, None] for row in rows]
+
     def place_of(self, windows: Windows) -> FloatArray:
         """Return where the robot was at the end of each window, shape (w, 2) [m]."""
         return np.column_stack([np.interp(windows.time, self.time, self.path[:, i]) for i in range(2)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,6 +27,7 @@ TEMPLATE = "diagnosis.html.j2"
 NINETY_PERCENT = 1.645  # standard deviations either side of a normal value
 RANKED = 12  # hypotheses that the page shows
 TAIL = 0.95
+MOST_MOMENTS = 1500  # at which the cursor may stand
 MOST_DRIVES = 6  # drawn in full; a page of twenty recordings opens slowly and tells no more
 
 
@@ -157,6 +159,7 @@ def drawn(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         {
             "title": drive.title,
             "judged": drive.judged,
+            "track": json.dumps(drive.track(MOST_MOMENTS), separators=(",", ":")),
             "time": Markup(diagnosis_figures.error_over_time(drive, () if drive.judged else when)),
             "floor": Markup(diagnosis_figures.error_on_floor(drive, located.where)) if drive.placed else "",
             "paths": Markup(diagnosis_figures.paths(drive)) if drive.placed else "",

@@ -103,6 +103,6 @@ def plan_view(plan: Plan, area: Area, label: str = "Plan of the next drive") -> 
         axes.crosses(end, BOARD_COLOURS[number], label=f"ends here if {outlook.label}")
     start = np.array([[plan.start.x, plan.start.y]])
     axes.dots(start, INK, 8.0)
-    axes.words(plan.start.x + 0.03, plan.start.y - 0.05, "begin here", TEXT)
+    axes.words(plan.start.x - 0.06, plan.start.y + 0.06, "begin here", TEXT)
     axes.frame("x [m]", "y [m]")
     return figure(680.0, box.top + box.height + 60.0, label, axes)

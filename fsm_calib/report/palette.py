@@ -19,6 +19,9 @@ PHASE_COLOURS = {
 BOARD_COLOURS = ("#2b7bba", "#e08214", "#2a9d5c", "#c2428a", "#8c6bb1", "#b8860b")
 """One colour for each board, in turn."""
 
+BOARD_INKS = ("#226a9f", "#a35a06", "#1b7a43", "#b03a7c", "#75549c", "#80600a")
+"""The same for words, dark enough to be read on a figure (4.5 : 1 and more on its light grey)."""
+
 TEXT = "#555555"
 """Colour of the axes' labels."""
 

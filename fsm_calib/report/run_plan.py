@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from fsm_calib.report.palette import BOARD_COLOURS, INK, PHASE_COLOURS, TEXT
+from fsm_calib.report.palette import BOARD_COLOURS, BOARD_INKS, INK, PHASE_COLOURS, TEXT
 from fsm_calib.report.plot import Axes, Box, figure
 from fsm_calib.report.plot_scale import limits
 from fsm_calib.runner.record import RunRecord
@@ -74,7 +74,12 @@ def _draw_board(axes: Axes, placement: BoardPlacement, number: int) -> None:
     """Draw a board's footprint with its number and kind beside it."""
     colour = BOARD_COLOURS[number % len(BOARD_COLOURS)]
     axes.areas([board_outline(placement)], colour, 0.33, edge=colour)
-    axes.words(placement.x + 0.14, placement.y, f"board {number}\n{placement.kind}", colour)
+    axes.words(
+        placement.x + 0.14,
+        placement.y,
+        f"board {number}\n{placement.kind}",
+        BOARD_INKS[number % len(BOARD_INKS)],
+    )
 
 
 def _draw_road(axes: Axes, road: Road) -> None:

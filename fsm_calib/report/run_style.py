@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import io
+import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import matplotlib
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fsm_calib.report.palette import INK, TEXT
@@ -17,6 +19,8 @@ from fsm_calib.report.palette import INK, TEXT
 STYLE: Any = {
     "font.size": 9.0,
     "font.family": "sans-serif",
+    "figure.facecolor": "none",
+    "axes.facecolor": "none",
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.edgecolor": "#777777",
@@ -59,8 +63,11 @@ def figure(width: float, height: float, margins: Margins = Margins()) -> Iterato
         yield fig
 
 
-def svg(fig: Figure, label: str) -> str:
-    """Return the figure as an SVG element that scales with the page; `label` tells what it shows."""
+def svg(fig: Figure, label: str, cursor: Mapping[Axes, str] | None = None) -> str:
+    """Return the figure as an SVG element that scales with the page; `label` tells what it shows.
+
+    `cursor` says which axes share the page's cursor, and what they show: "time" along x, or the "floor".
+    """
     buffer = io.StringIO()
     fig.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     text = buffer.getvalue()
@@ -74,4 +81,17 @@ def svg(fig: Figure, label: str) -> str:
     prefix = re.sub(r"\W+", "-", label.lower())
     text = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', text)
     text = re.sub(r'(href="|url\()#([^")]+)', rf"\1#{prefix}-\2", text)
-    return text.replace("<svg", f'<svg role="img" aria-label="{label}"', 1)
+    places = [_place(axes, kind) for axes, kind in (cursor or {}).items()]
+    shared = f" data-axes='{json.dumps(places)}'" if places else ""
+    return text.replace("<svg", f'<svg role="img" aria-label="{label}"{shared}', 1)
+
+
+def _place(axes: Axes, kind: str) -> list[str | float]:
+    """Return what axes show and where: kind, left, top, width, height [pt], limits of x and of y, as drawn."""
+    whole = axes.get_figure(root=True)
+    if whole is None:
+        raise ValueError("axes of no figure")
+    width, height = 72.0 * whole.get_size_inches()
+    box = axes.get_position()
+    frame = (box.x0 * width, (1.0 - box.y1) * height, box.width * width, box.height * height)
+    return [kind, *(round(float(value), 4) for value in (*frame, *axes.get_xlim(), *axes.get_ylim()))]

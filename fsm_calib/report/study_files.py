@@ -104,7 +104,7 @@ def _markdown(block: Block, name: str, folder: Path) -> str:
     if isinstance(block, Table):
         return markdown_table(block)
     path = folder / f"{name}_{block.name}.png"
-    block.draw().savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
+    block.draw().savefig(path, dpi=DOTS_PER_INCH, facecolor="white", metadata={"Software": None})
     return f"![{block.caption}]({folder.name}/{path.name})"
 
 
