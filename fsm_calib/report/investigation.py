@@ -21,7 +21,12 @@ def investigation_page(drives: Sequence[Field], area: Area, result: dict[str, An
     """Return the page as HTML; `result` as in investigation.json."""
     named = " and ".join(effect["name"].replace("_", " ") for effect in result.get("effects", []))
     told = [
-        {**row, "expected": row["expected"] or 0.0, "figure": Markup(driven(drive, area, number))}
+        {
+            **row,
+            "expected": row["expected"] or 0.0,
+            "manoeuvres": [step["name"] for step in drive.plan.get("manoeuvres", ())],
+            "figure": Markup(driven(drive, area, number)),
+        }
         for number, (row, drive) in enumerate(zip(result["drives"], drives, strict=True), start=1)
     ]
     return page(
