@@ -139,9 +139,12 @@ def ambiguous_sets(decision: Decision) -> tuple[tuple[str, ...], ...]:
 
 def rivals(decision: Decision) -> tuple[Rival, ...]:
     """Return the next five names in the strongest effect's place and the evidence that they lack."""
-    if decision.model.supports:
+    if decision.model.supports and decision.model.supports[0].rivals:
         first = decision.model.supports[0]
         return tuple(Rival(r.name, r.gap.evidence) for r in first.rivals)[:5]
+    if decision.model.effects:  # none was asked in its place beside the others: as they were alone
+        named, led = {e.name for e in decision.model.effects}, decision.ranking[0].evidence
+        return tuple(Rival(r.name, led - r.evidence) for r in decision.ranking if r.name not in named)[:5]
     return tuple(Rival(r.name, -r.evidence) for r in decision.ranking)[:5]
 
 

@@ -95,7 +95,7 @@ def supports_of(engine: Engine, selection: Selection) -> tuple[Support, ...]:
 def _support(engine: Engine, selection: Selection, effect: Ranked, less: Fit) -> Support:
     fit = selection.fit
     added, forms = gap_between(engine, fit, less), contest(engine, less, fit, [effect.name])
-    if forms.beside > HOPELESS * max(added.evidence, 1.0):
+    if len(selection.effects) > 1 and forms.beside > HOPELESS * max(added.evidence, 1.0):
         return Support(effect, less, added, (), OneLaw(math.nan, ()), forms)
     first = effect.name == _led_by(selection)
     company = {
