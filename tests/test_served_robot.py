@@ -24,7 +24,7 @@ from fsm_calib.runner.run import run_scenario
 from fsm_calib.scenario.load import load_scenario, scenario_from
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.yaml_source import parse_yaml
-from fsm_calib.types import STOP, WheelCalibration, WheelCommand
+from fsm_calib.types import STOP, Pose2, WheelCalibration, WheelCommand
 from fsm_calib.world2d.deviation import straight_deviation
 from fsm_calib.world2d.robot import WorldSpec, make_world
 from fsm_calib.world2d.scene import SceneSpec
@@ -56,6 +56,7 @@ class Kept:
         self.frames: list[tuple[int, float]] = []
         self.applied: list[tuple[WheelCommand, float]] = []
         self.counts = {"left": 0, "right": 0}
+        self.poses: list[tuple[Pose2, float]] = []
 
     def frame(self, number: int, stamp: float, image: np.ndarray) -> None:
         self.frames.append((number, stamp))
@@ -65,6 +66,9 @@ class Kept:
 
     def ticks(self, side: str, count: int, time: float) -> None:
         self.counts[side] = count
+
+    def tracked(self, pose: Pose2, time: float) -> None:
+        self.poses.append((pose, time))
 
 
 def duckiebot(*, watched: bool = False, **settings: float) -> tuple[ServedDuckiebot, Kept]:
@@ -107,6 +111,14 @@ def test_a_driver_without_a_watch_turns_the_wheels_for_ever_and_encoders_count_i
     assert kept.counts["left"] > 1.9 * half > 0
     turns = robot.world.truth.odometer / (2.0 * np.pi * WheelCalibration().wheel_radius)
     assert kept.counts["left"] == pytest.approx(135 * turns, rel=0.05)
+
+
+def test_a_tracker_tells_where_the_robot_is_with_its_noise() -> None:
+    robot, kept = duckiebot(tracker=20.0, tracker_noise=0.01)
+    robot.run_until(2.0)
+    truth = robot.world.truth.pose
+    assert len(kept.poses) == 41
+    assert np.std([pose.x - truth.x for pose, _ in kept.poses]) == pytest.approx(0.01, rel=0.4)
 
 
 def test_the_emergency_stop_acts_at_the_next_command() -> None:

@@ -30,10 +30,21 @@ def watch(
     is_opened: Annotated[
         bool, typer.Option("--open/--no-open", help="Open the page in a browser (on a terminal only).")
     ] = True,
+    mcap: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Write the run as MCAP for Foxglove in place of a page.", show_default=False
+        ),
+    ] = None,
 ) -> None:
-    """Serve a page that shows a run, live or replayed, on this machine until Ctrl-C."""
+    """Serve a page that shows a run, live or replayed, on this machine until Ctrl-C; or write it as MCAP."""
     from fsm_calib.watch.server import WatchServer
 
+    if mcap is not None:
+        from fsm_calib.watch.mcap_file import write_mcap
+
+        typer.echo(f"{write_mcap(directory, mcap)} messages in {mcap}")
+        return
     if directory.is_dir() and not (directory / JOURNAL_NAME).exists():
         cure = "Give the --out folder of a run that has begun."
         raise InputError("holds no run", where=str(directory), cure=cure)

@@ -17,7 +17,7 @@ from fsm_calib.robots.dtps.topics import NAMES
 from fsm_calib.robots.guard.pwm import floored, level_of
 from fsm_calib.robots.served.settings import ServeSettings
 from fsm_calib.robots.served.station import Station
-from fsm_calib.types import WheelCommand
+from fsm_calib.types import Pose2, WheelCommand
 from fsm_calib.world2d.robot import World
 
 KEPT = {"image": 3, "wheels": 3}
@@ -103,6 +103,9 @@ class DtpsServedNode:
     def ticks(self, side: str, count: int, time: float) -> None:
         """Publish an encoder's count; see `served.duckiebot.Outlet`."""
         self._send[f"{side}_tick"](message("integer")(data=count))
+
+    def tracked(self, pose: Pose2, time: float) -> None:
+        """Publish nothing: recordings are made with ROS; see `served.duckiebot.Outlet`."""
 
     def close(self) -> None:
         """End it."""

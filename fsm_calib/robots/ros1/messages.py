@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -17,6 +18,8 @@ MODE = "duckietown_msgs/FSMState"
 IMAGE = "sensor_msgs/CompressedImage"
 CAMERA_INFO = "sensor_msgs/CameraInfo"
 TEXT = "std_msgs/String"
+POSE = "geometry_msgs/PoseStamped"
+CLOCK = "rosgraph_msgs/Clock"
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,17 @@ def header(time: float, seq: int = 0, frame: str = "") -> Any:
     whole, rest = divmod(round(time * 1e9), 1_000_000_000)
     stamp = types["builtin_interfaces/msg/Time"](sec=whole, nanosec=rest)
     return types["std_msgs/msg/Header"](seq=seq, stamp=stamp, frame_id=frame)
+
+
+def pose_message(time: float, x: float, y: float, theta: float) -> Any:
+    """Return a planar pose [m, m, rad] as geometry_msgs/PoseStamped in the frame `map`."""
+    types = typestore(ros1=True).types
+    position = types["geometry_msgs/msg/Point"](x=x, y=y, z=0.0)
+    turn = types["geometry_msgs/msg/Quaternion"](
+        x=0.0, y=0.0, z=math.sin(theta / 2.0), w=math.cos(theta / 2.0)
+    )
+    pose = types["geometry_msgs/msg/Pose"](position=position, orientation=turn)
+    return message_type(POSE).stamped(time, 0, "map", pose=pose)
 
 
 def stamp_of(message: Any) -> float:

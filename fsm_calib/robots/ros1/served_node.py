@@ -14,12 +14,16 @@ from fsm_calib.errors import LinkLost
 from fsm_calib.robots.ros1.messages import (
     BOOL,
     CAMERA_INFO,
+    CLOCK,
     EMPTY_SERVICE,
     IMAGE,
+    POSE,
     TEXT,
     TICK,
     WHEELS,
+    header,
     message_type,
+    pose_message,
     set_camera_info_service,
 )
 from fsm_calib.robots.ros1.node import Node
@@ -27,7 +31,7 @@ from fsm_calib.robots.ros1.topics import Topics
 from fsm_calib.robots.served.duckiebot import RESOLUTION, ServedDuckiebot
 from fsm_calib.robots.served.settings import ServeSettings
 from fsm_calib.robots.served.station import Station
-from fsm_calib.types import WheelCalibration, WheelCommand
+from fsm_calib.types import Pose2, WheelCalibration, WheelCommand
 from fsm_calib.world2d.robot import World
 
 PARAMETERS = ("gain", "trim", "baseline", "radius", "k", "limit", "v_max", "omega_max")
@@ -68,7 +72,7 @@ class ServedNode:
         lockstep: bool = False,
     ) -> None:
         self.node = Node(f"/{vehicle}/duckiebot", master)
-        self.topics, self._encode = Topics(vehicle), encode
+        self.topics, self._encode, self._lockstep = Topics(vehicle), encode, lockstep
         self.saved: dict[str, Any] = {}
         self.station = Station(world, settings, self, lockstep)
         self._offset = 0.0 if lockstep else time.time()
@@ -104,6 +108,10 @@ class ServedNode:
             "right": node.publish(topics.right_tick, TICK),
         }
         self._stepped = node.publish(topics.stepped, TEXT)
+        self._tracker = node.publish(topics.tracker, POSE)
+        if self._lockstep:  # recorders then stamp what they hear with the robot's time
+            node.master.call("setParam", node.name, "/use_sim_time", True)
+            self._clock = node.publish("/clock", CLOCK)
         node.offer(topics.save_calibration, EMPTY_SERVICE, self._save)
         node.offer(topics.set_camera_info, set_camera_info_service(), self._set_camera)
 
@@ -131,6 +139,8 @@ class ServedNode:
         )
 
     def _tell_step(self, said: str) -> None:
+        if self._lockstep:
+            self._clock.publish(message_type(CLOCK).make(clock=header(self.robot.now).stamp))
         self._stepped.publish(message_type(TEXT).make(data=said))
 
     def frame(self, number: int, stamp: float, image: NDArray[np.uint8]) -> None:
@@ -152,6 +162,10 @@ class ServedNode:
         self._encoders[side].publish(
             kind.stamped(self._offset + time, 0, data=count, resolution=RESOLUTION, type=1)
         )
+
+    def tracked(self, pose: Pose2, time: float) -> None:
+        """Publish what a camera over the area measures; see `served.duckiebot.Outlet`."""
+        self._tracker.publish(pose_message(self._offset + time, pose.x, pose.y, pose.theta))
 
     def _save(self, request: bytes) -> bytes:
         """Keep the kinematics parameters, as the robot's service writes them to its file."""

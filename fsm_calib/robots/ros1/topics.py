@@ -30,6 +30,7 @@ NAMES = {
     "right_tick": "right_wheel_encoder_node/tick",
     "kinematics": "kinematics_node",
     "save_calibration": "kinematics_node/save_calibration",
+    "tracker": "tracker/pose",
     "mode": "fsm_calib/mode",
     "state": "fsm_calib/state",
     "step": "fsm_calib/step",

@@ -18,13 +18,15 @@ from numpy.typing import NDArray
 
 from fsm_calib.robots.guard.pwm import floored
 from fsm_calib.robots.served.settings import ServeSettings
-from fsm_calib.types import STOP, WheelCalibration, WheelCommand
+from fsm_calib.types import STOP, Pose2, WheelCalibration, WheelCommand
 from fsm_calib.world2d.robot import World
 
 RESOLUTION = 135
 """Ticks of one turn of a wheel (Duckietown's encoders)."""
 SERVE_STREAM = 21
 """Which random stream of the seed delays and losses are drawn from."""
+TRACKER_STREAM = 22
+"""Which random stream of the seed the tracker's noise is drawn from."""
 
 
 class Outlet(Protocol):
@@ -40,6 +42,10 @@ class Outlet(Protocol):
 
     def ticks(self, side: str, count: int, time: float) -> None:
         """Publish the count of a wheel's encoder at `time` [s]."""
+        ...
+
+    def tracked(self, pose: Pose2, time: float) -> None:
+        """Publish where a camera over the area sees the robot at `time` [s], for recordings."""
         ...
 
 
@@ -77,6 +83,9 @@ class ServedDuckiebot:
         self.is_watched = True
         self._later(0.0, self._expose)
         self._later(0.0, self._tick)
+        self._tracker_rng = np.random.default_rng([self.world.spec.seed, TRACKER_STREAM])
+        if self.settings.tracker > 0.0:
+            self._later(0.0, self._track)
 
     @property
     def now(self) -> float:
@@ -151,6 +160,17 @@ class ServedDuckiebot:
         for side, name in enumerate(("left", "right")):
             self.outlet.ticks(name, int(self._counts[side]), self.now)
         self._later(self.now + 1.0 / self.settings.rate, self._tick)
+
+    def _track(self) -> None:
+        """Publish what a camera over the area measures: the true pose with white noise."""
+        pose, noise = (
+            self.world.truth.pose,
+            self.settings.tracker_noise * self._tracker_rng.standard_normal(3),
+        )
+        self.outlet.tracked(
+            Pose2(pose.x + noise[0], pose.y + noise[1], pose.theta + 5.0 * noise[2]), self.now
+        )
+        self._later(self.now + 1.0 / self.settings.tracker, self._track)
 
     def _turn_wheels(self) -> None:
         """Count the wheels' turns since the last time; the sign is that of the last command, as Duckietown's is."""

@@ -27,6 +27,11 @@ class ServeSettings:
         The robot's clock minus this computer's [s].
     pwm_steps : bool
         The driver floors commands to whole PWM numbers, as Duckietown's does.
+    tracker : float
+        Poses in a second that a camera over the area publishes for recordings [Hz]; 0: there is none. The program
+        never listens to them.
+    tracker_noise : float
+        Standard deviation of their position [m]; that of the heading is five times as many rad.
     dead_zone : float
         Commands up to this release the wheel [1]; daffy 0.01, ente 0.2.
     """
@@ -41,6 +46,8 @@ class ServeSettings:
     late_by: float = 0.08
     clock_offset: float = 0.0
     pwm_steps: bool = True
+    tracker: float = 0.0
+    tracker_noise: float = 0.002
     dead_zone: float = 0.01
 
     def __post_init__(self) -> None:
@@ -53,9 +60,20 @@ class ServeSettings:
         """
         if not 1.0 <= self.rate <= 120.0:
             raise InputError(f"the rate is {self.rate:g} Hz", where="rate", cure="Give 1 to 120.")
-        for name in ("camera_latency", "camera_jitter", "command_latency", "command_jitter", "late_by"):
+        if not 0.0 <= self.tracker <= 120.0:
+            raise InputError(
+                f"the tracker's rate is {self.tracker:g} Hz", where="tracker", cure="Give 0 to 120."
+            )
+        for name in (
+            "camera_latency",
+            "camera_jitter",
+            "command_latency",
+            "command_jitter",
+            "late_by",
+            "tracker_noise",
+        ):
             if not 0.0 <= getattr(self, name) <= 2.0:
-                raise InputError(f"{name} is {getattr(self, name):g} s", where=name, cure="Give 0 to 2.")
+                raise InputError(f"{name} is {getattr(self, name):g}", where=name, cure="Give 0 to 2.")
         for name in ("dropped", "late", "dead_zone"):
             if not 0.0 <= getattr(self, name) < 1.0:
                 raise InputError(f"{name} is {getattr(self, name):g}", where=name, cure="Give 0 to below 1.")
