@@ -38,6 +38,20 @@ def test_a_hold_out_of_the_same_robot_confirms_the_match(train):
     assert diagnose(train, [recording(2)], without=WITHOUT).verdict.verdict == "match"
 
 
+def test_a_name_that_makes_the_held_out_prediction_worse_is_none():
+    without = [name for name in registry() if name != "motor_deadband"]
+    late = {"motor_deadband__offset": 0.06}
+    cured = diagnose([recording(s, **late) for s in (0, 1)], [recording(2, **late)], without=without).verdict
+    worse = diagnose([recording(s, **late) for s in (0, 1)], [recording(2)], without=without)
+    assert [e.name for e in cured.effects] == ["motor_deadband"]
+    assert (worse.verdict.verdict, worse.verdict.effects) == ("unexplained", ())
+    assert (
+        "motor_deadband would be named, but with it the errors on the held-out recordings rise"
+        in worse.verdict.reason
+    )
+    assert worse.holdout.after == worse.holdout.before
+
+
 def windows(rng, seconds=60.0, worse=None, by=6.0):
     """Return windows whose errors are those of the noise, `by` times as large from `worse` [s] for one block."""
     time = np.arange(0.0, seconds, 0.25)

@@ -79,7 +79,11 @@ def diagnose(
     train = compare(simulators, decision.base, decision.model.fit, new=False)
     holdout = compare(new, decision.base, decision.model.fit, new=True) if new else None
     decision.seconds["proof"] = perf_counter() - began
+    fit = decision.model.fit
     decision = refuted(decision, train, holdout, new)
+    if decision.model.fit is not fit:
+        train = compare(simulators, decision.base, decision.model.fit, new=False)
+        holdout = compare(new, decision.base, decision.model.fit, new=True) if new else None
     told = told_by(decision, without, gates)
     verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
     verdict = replace(verdict, drives=told)

@@ -1,15 +1,19 @@
-"""A match must hold: on the fitted recordings and on those that took no part in the fit, in their tails."""
+"""A match must hold, in the tails too, and a name must not make the prediction worse."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 
+from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.proof.heldout import Comparison
 from fsm_calib.diagnosis.proof.holds import Breach, breach_of
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.shapes.locate import Location
 from fsm_calib.diagnosis.verdict.decide import Decision
+from fsm_calib.diagnosis.verdict.model import Model
+
+WORSE = 1.1  # times the base robot's error over the horizon in one channel, with the other no better: that is no cure
 
 
 def refuted(
@@ -17,8 +21,11 @@ def refuted(
 ) -> Decision:
     """Return the decision, `unexplained` where it was a match that some stretch of a recording contradicts.
 
-    new : the simulators of the held-out recordings.
+    So is a decision whose names make the prediction worse, on held-out recordings where there are any; its model is
+    then the base robot. new : the simulators of the held-out recordings.
     """
+    if decision.outcome == "explained":
+        return _unless_worse(decision, holdout or train, "held-out" if holdout else "fitted")
     if decision.outcome != "match":
         return decision
     fitted = decision.engine.simulators
@@ -38,6 +45,31 @@ def refuted(
     return replace(
         decision, outcome="unexplained", reason=reason, location=_located(decision.location, breach)
     )
+
+
+def _unless_worse(decision: Decision, seen: Comparison, which: str) -> Decision:
+    """Return the decision; `unexplained` by the base robot where the model's errors are larger than the base's."""
+    pairs = (
+        ("cm", 100.0, seen.before.xy_m, seen.after.xy_m),
+        ("rad", 1.0, seen.before.theta_rad, seen.after.theta_rad),
+    )
+    ratios = [after / before for _, _, before, after in pairs if before > 0.0]
+    if not ratios or max(ratios) < WORSE or min(ratios) < 1.0:
+        return decision
+    unit, scale, before, after = max(pairs, key=lambda pair: pair[3] / pair[2] if pair[2] > 0.0 else 0.0)
+    names = " and ".join(b.name for b in decision.named)
+    reason = (
+        f"{names} would be named, but with it the errors on the {which} recordings rise from {scale * before:.3g} to "
+        f"{scale * after:.3g} {unit}: what it explains there is something else"
+    )
+    return replace(
+        decision, outcome="unexplained", reason=reason, named=(), model=_bare(decision, decision.base)
+    )
+
+
+def _bare(decision: Decision, base: Fit) -> Model:
+    """Return the base robot alone as a model; what was measured of the effects stands in the reason."""
+    return replace(decision.model, effects=(), fit=base, supports=(), beliefs=())
 
 
 def _located(location: Location, breach: Breach) -> Location:
