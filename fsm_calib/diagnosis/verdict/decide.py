@@ -74,9 +74,9 @@ class Judge:
             self.seconds[name] = self.seconds.get(name, 0.0) + perf_counter() - began
 
     def decide(self) -> Decision:
-        """Run the whole chain; what the encoders alone see, without a name or by names that cancel, is a match."""
+        """Run the whole chain; what the encoders alone see is a match, unless one name explains all of it."""
         decision = self._answer()
-        certain = decision.outcome == "match" or len(decision.named) == 1
+        certain = decision.outcome == "match" or len(decision.named) == len(decision.model.effects) == 1
         with self.part("poses alone"):
             confirmed = certain or shown_in_poses(self.engine.simulators, self.gates)
         if confirmed:
