@@ -21,11 +21,11 @@ def refuted(
 ) -> Decision:
     """Return the decision, `unexplained` where it was a match that some stretch of a recording contradicts.
 
-    So is a decision whose names make the prediction worse, on held-out recordings where there are any; its model is
-    then the base robot. new : the simulators of the held-out recordings.
+    So is a decision whose names make the prediction of held-out recordings worse; its model is then the base robot.
+    new : the simulators of the held-out recordings.
     """
     if decision.outcome == "explained":
-        return _unless_worse(decision, holdout or train, "held-out" if holdout else "fitted")
+        return _unless_worse(decision, holdout) if holdout is not None else decision
     if decision.outcome != "match":
         return decision
     fitted = decision.engine.simulators
@@ -47,7 +47,7 @@ def refuted(
     )
 
 
-def _unless_worse(decision: Decision, seen: Comparison, which: str) -> Decision:
+def _unless_worse(decision: Decision, seen: Comparison) -> Decision:
     """Return the decision; `unexplained` by the base robot where the model's errors are larger than the base's."""
     pairs = (
         ("cm", 100.0, seen.before.xy_m, seen.after.xy_m),
@@ -59,7 +59,7 @@ def _unless_worse(decision: Decision, seen: Comparison, which: str) -> Decision:
     unit, scale, before, after = max(pairs, key=lambda pair: pair[3] / pair[2] if pair[2] > 0.0 else 0.0)
     names = " and ".join(b.name for b in decision.named)
     reason = (
-        f"{names} would be named, but with it the errors on the {which} recordings rise from {scale * before:.3g} to "
+        f"{names} would be named, but with it the errors on the held-out recordings rise from {scale * before:.3g} to "
         f"{scale * after:.3g} {unit}: what it explains there is something else"
     )
     return replace(

@@ -70,12 +70,12 @@ class Support:
     def interchangeable(self) -> float:
         """How much of the effect's own job un-named forms could do, 0 to 1.
 
-        Forms in its place win 1 + `replaced` of what it adds, net of what they win beside it anyway. What is left is
-        held against a name as far as the forms that explain it could stand for the name: a remainder of another kind
-        says that something is missing, not that this name is wrong. An event is no job: whatever is missing may show
-        most in one second.
+        What is left is held against a name as far as the forms that explain it could stand for the name: a remainder
+        of another kind says that something is missing, not that this name is wrong. An event is no job: whatever is
+        missing may show most in one second.
         """
-        return 1.0 if is_event(registry()[self.name]) else min(max(1.0 + self.replaced, 0.0), 1.0)
+        share = 1.0 + self.forms.instead / max(self.added.evidence, 1.0)
+        return 1.0 if is_event(registry()[self.name]) else min(max(share, 0.0), 1.0)
 
     @property
     def moved(self) -> float:
