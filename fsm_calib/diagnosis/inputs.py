@@ -30,5 +30,8 @@ def with_input(recording: Recording) -> Recording:
     scale = 1.0 if pair.unit == "rad" else float(facts.metres_per_tick or 1.0)
     left, right = (np.append(scale * np.diff(side) / step, 0.0) for side in (thin.left, thin.right))
     if pair.unit == "tick":
-        return replace(recording, wheel_angle=None, wheel_speed=WheelPair(thin.time, left, right, "m/s"))
-    return replace(recording, wheel_angle=None, wheel_rate=WheelPair(thin.time, left, right, "rad/s"))
+        return replace(
+            recording, wheel_angle=None, wheel_speed=WheelPair(thin.time, left, right, "m/s", stamp="start")
+        )
+    rates = WheelPair(thin.time, left, right, "rad/s", stamp="start")
+    return replace(recording, wheel_angle=None, wheel_rate=rates)

@@ -16,6 +16,7 @@ import numpy as np
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.diagnosis.identify.result import Identification
 from fsm_calib.diagnosis.inputs import with_input
+from fsm_calib.diagnosis.rate_stamps import with_stamps
 from fsm_calib.diagnosis.replay.kinematics import body_motion, sensor_motion
 from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE
 from fsm_calib.diagnosis.replay.wheels import wheels_of
@@ -60,6 +61,8 @@ def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ())
     notes += [sentence] if sentence else []
     train = [with_input(with_poses(sized(r, size), robot)) for r in recordings]
     new = [with_input(with_poses(sized(r, size), robot)) for r in holdouts]
+    train, new, sentence = with_stamps(train, new)
+    notes += [sentence] if sentence else []
     if any(r.pose is not None and not r.pose.has_heading for r in train):
         notes.append("no heading was measured: it is reckoned from the path and the wheels, and not scored")
     total = sum(duration(r) for r in train)

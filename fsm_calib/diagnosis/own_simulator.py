@@ -14,6 +14,7 @@ from fsm_calib.diagnosis.replay.prepared import clean_poses
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.wheel_stamps import held
 from fsm_calib.types import FloatArray
 
 Commands = dict[str, FloatArray]
@@ -35,11 +36,13 @@ def commands_of(recording: Recording) -> Commands:
         The recording has neither commands nor wheel speeds.
     """
     r = with_input(recording)
-    pair = r.command or (r.wheel_rate if r.twist is None else None) or r.wheel_speed
-    if r.twist is not None and r.command is None:
+    rates = r.wheel_rate or r.wheel_speed
+    if r.command is not None:
+        columns = {"time": r.command.time, "left": r.command.left, "right": r.command.right}
+    elif r.twist is not None:
         columns = {"time": r.twist.time, "v": r.twist.v, "omega": r.twist.omega}
-    elif pair is not None:
-        columns = {"time": pair.time, "left": pair.left, "right": pair.right}
+    elif rates is not None:
+        columns = dict(zip(("time", "left", "right"), held(rates), strict=True))
     else:
         raise DataError(
             f"{r.source or r.robot.name}: nothing was recorded that a simulator could be driven by"

@@ -184,6 +184,9 @@ def _channels(
         found |= _joints(used["wheels"], rows["wheels"], named, where)
     elif "wheels" in used and used["wheels"].kind == "Odometry":
         found["wheel_speed"] = ros.odometry_wheels(rows["wheels"], facts.axle_length, where)
+    for name in ("wheel_rate", "wheel_speed"):
+        if name in found:
+            found[name] = replace(found[name], stamp=named.stamp)
     if "yaw_rate" in used:
         found["yaw_rate"] = ros.yaw_rate_track(rows["yaw_rate"])
     if "state" in used:

@@ -17,6 +17,8 @@ from fsm_calib.types import FloatArray, Pose2, read_only
 
 AngleUnit = Literal["rad", "tick"]
 CommandUnit = Literal["normalized", "rad/s"]
+Stamp = Literal["start", "middle", "end"]
+"""What the stamp of a rate is, of the time that the rate stands for (`wheel_stamps`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +120,8 @@ class WheelPair(Channel):
     """One number for each wheel, positive forward: angles [rad or tick], rates [rad/s] or rim speeds [m/s].
 
     `resolution` is the step of an encoder in the same unit (0 = not known); `unit` names the unit. Ticks stay
-    ticks where nobody knows how many make a turn.
+    ticks where nobody knows how many make a turn. `stamp` says where in its time a rate's stamp lies; None: nobody
+    said, read as a sample (middle).
     """
 
     left: FloatArray
@@ -126,6 +129,7 @@ class WheelPair(Channel):
     unit: str = "rad"
     resolution: float = 0.0
     duration: FloatArray | None = None
+    stamp: Stamp | None = None
 
 
 @dataclass(frozen=True, eq=False)

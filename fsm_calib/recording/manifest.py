@@ -142,6 +142,7 @@ def _bag(
         yaw_rate=part.yaw_rate.topic if part.yaw_rate else None,
         state=part.state.topic if part.state else None,
         joints=(wheels.left, wheels.right) if wheels and wheels.left and wheels.right else None,
+        stamp=wheels.stamp if wheels else None,
         stale_after=part.command.stale_after if part.command else None,
         robot=facts,
     )
@@ -208,7 +209,9 @@ def _channel(name: str, section: Any, table: Table, time: FloatArray, duration: 
     if name in ("wheel_rate", "wheel_speed"):
         scale = metre if name == "wheel_speed" else RATES[section.unit]
         unit = "m/s" if name == "wheel_speed" else "rad/s"
-        return WheelPair(time, column("left", scale), column("right", scale), unit, 0.0, duration)
+        return WheelPair(
+            time, column("left", scale), column("right", scale), unit, 0.0, duration, section.stamp
+        )
     if name == "yaw_rate":
         return YawRateTrack(time, column("value", RATES[section.unit]), duration)
     if name == "displacement":

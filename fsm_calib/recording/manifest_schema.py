@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
 from fsm_calib.errors import InputError, ManyErrors, nearest_names
+from fsm_calib.recording.channels import Stamp
 from fsm_calib.recording.yaml_places import KEY, PlacedYaml
 
 FORMAT = "fsm-calib/recording@1"
@@ -107,19 +108,29 @@ class WheelAngleSection(ChannelSection):
     ticks_per_turn: Positive | None = None
 
 
-class WheelRateSection(ChannelSection):
-    """Wheel rates."""
+class RateSection(ChannelSection):
+    """Rates of both wheels: samples (stamp: middle), means since the row before (end), or until the next (start)."""
 
     left: Name
     right: Name
+    stamp: Stamp | None = None
+
+    @model_validator(mode="after")
+    def _one_interval(self) -> RateSection:
+        if self.duration is not None and self.stamp is not None:
+            raise ValueError("duration says already which interval a row is the mean of; leave stamp out")
+        return self
+
+
+class WheelRateSection(RateSection):
+    """Wheel rates."""
+
     unit: Literal["rad/s", "deg/s", "rpm"] | None = None
 
 
-class WheelSpeedSection(ChannelSection):
+class WheelSpeedSection(RateSection):
     """Rim speeds of the wheels."""
 
-    left: Name
-    right: Name
     unit: Literal["m/s"] = "m/s"
 
 
@@ -185,10 +196,13 @@ class CommandTopic(TopicSection):
 
 
 class WheelTopic(TopicSection):
-    """Wheels: JointState with the names of the left and the right joint, encoders or an odometry."""
+    """Wheels: JointState with the names of the left and the right joint, encoders or an odometry; `stamp` says which
+    time a rate stands for.
+    """
 
     left: Name | None = None
     right: Name | None = None
+    stamp: Stamp | None = None
 
     @model_validator(mode="after")
     def _both(self) -> WheelTopic:

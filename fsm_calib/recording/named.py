@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fsm_calib.recording.channels import Stamp
 from fsm_calib.recording.recording import RobotFacts
 
 
 @dataclass(frozen=True)
 class Named:
-    """What the user says about a bag: names of its topics; joints of the left and right wheel; a command's lifetime
-    [s]; facts of the robot.
+    """What the user says about a bag: names of its topics; joints of the left and right wheel, and what the stamp of a
+    wheel's rate is; a command's lifetime [s]; facts of the robot.
     """
 
     command: str | None = None
@@ -19,6 +20,7 @@ class Named:
     yaw_rate: str | None = None
     state: str | None = None
     joints: tuple[str, str] | None = None
+    stamp: Stamp | None = None
     stale_after: float | None = None
     robot: RobotFacts | None = None
 

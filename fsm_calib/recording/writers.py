@@ -89,7 +89,7 @@ def _section(name: str, channel: Channel) -> dict[str, Any]:
         section |= {"unit": "tick"} if channel.unit == "tick" else {}
         if channel.unit == "rad" and channel.resolution:
             section |= {"unit": "tick", "ticks_per_turn": 2.0 * math.pi / channel.resolution}
-    for key in ("unit", "stale_after", "of"):
+    for key in ("unit", "stale_after", "of", "stamp"):
         value = getattr(channel, key, None)
         if value is not None and key not in section:
             section[key] = value

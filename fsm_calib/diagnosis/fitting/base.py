@@ -25,6 +25,11 @@ TYPICAL_LAG, LAG_SPREAD = (
     0.15,
     0.25,
 )  # s: time constants of small robots are 0.05 to 0.3 s; weak, data overrule it
+TYPICAL_TRAIL, TRAIL_SPREAD, LONGEST_TRAIL = (
+    0.0066,
+    0.002,
+    0.015,
+)  # s: turning trails measured wheels by the shortest lag and what the tyres add for a yaw inertia that nobody knows
 ROUNDS = 4  # fit and noise in turn; two suffice on clean data
 ENOUGH = 0.5  # log-likelihood units between rounds
 PHASES = 16  # around a turn: nearer than the width of a periodic effect's likelihood
@@ -51,9 +56,13 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
         slots[:2] = [near(slot, float(values[slot.place]), RADIUS_SPREAD) for slot in slots[:2]]
     if not simulators[0].measured_input:
         slots[3:5] = [replace(slot, centre=TYPICAL_LAG, spread=LAG_SPREAD) for slot in slots[3:5]]
-        slip = slot_of("slip_speed")
-        centre = float(values[slip.place])
-        slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=SLIP_SPREAD))
+    if simulators[0].measured_input:
+        slots.append(
+            replace(slot_of("tau_turn"), high=LONGEST_TRAIL, centre=TYPICAL_TRAIL, spread=TRAIL_SPREAD)
+        )
+    slip = slot_of("slip_speed")
+    centre = float(values[slip.place])
+    slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=SLIP_SPREAD))
     return tuple(slots)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from fsm_calib.diagnosis.fitting.base import LONGEST_TRAIL
 from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.world2d.parameters import parameter_table
 
 NEAR = 1e-3  # of the range between the bounds
@@ -13,7 +15,7 @@ def at_bounds(fit: Fit) -> list[str]:
     table, said = parameter_table(), []
     for slot, value, _ in fit.numbers():
         margin = NEAR * (slot.high - slot.low)
-        if table.owner[slot.place] or slot.low + margin < value < slot.high - margin:
+        if table.owner[slot.place] or slot.low + margin < value < slot.high - margin or _trail(slot):
             continue
         entry = table.entries[slot.place]
         bound = "lowest" if value <= slot.low + margin else "highest"
@@ -23,3 +25,8 @@ def at_bounds(fit: Fit) -> list[str]:
             "the recordings ask for more; is what the manifest states right, and its units?"
         )
     return said
+
+
+def _trail(slot: Slot) -> bool:
+    """Return whether this is how turning trails measured wheels: a few ms that no manifest states."""
+    return parameter_table().names[slot.place] == "tau_turn" and slot.high == LONGEST_TRAIL

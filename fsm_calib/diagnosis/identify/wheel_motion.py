@@ -15,7 +15,9 @@ from fsm_calib.diagnosis.identify.align import align
 from fsm_calib.diagnosis.identify.filter import BY_WHEELS, STEP_COLUMNS, sway
 from fsm_calib.diagnosis.identify.pose import Parameter, PoseFit, fit_pose, thinned
 from fsm_calib.diagnosis.replay.wheels import Wheels, wheels_of
+from fsm_calib.recording.channels import Stamp
 from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.wheel_stamps import travel
 from fsm_calib.types import FloatArray
 
 CLOCK_SPREAD = 0.5  # s, prior of the difference of the two channels' clocks
@@ -98,12 +100,10 @@ def _readings(recording: Recording) -> list[tuple[Wheels, str]]:
     track = recording.wheel_angle or recording.wheel_rate or recording.wheel_speed
     if track is None or track.duration is not None:
         return readings
-    if recording.wheel_angle is None:
-        step = np.diff(track.time)
-        for sentence, part in (("before", slice(1, None)), ("after", slice(None, -1))):
-            left, right = (
-                np.concatenate([[0.0], np.cumsum(step * s[part])]) for s in (track.left, track.right)
-            )
+    if recording.wheel_angle is None and track.stamp is None:
+        other: tuple[tuple[str, Stamp], ...] = (("before", "end"), ("after", "start"))
+        for sentence, stamp in other:
+            _, left, right = travel(dataclasses.replace(track, stamp=stamp))
             note = f"the wheels' rates are best read as means over the interval {sentence} their stamp"
             readings.append((dataclasses.replace(stated, left=left, right=right), note))
     pose = recording.pose

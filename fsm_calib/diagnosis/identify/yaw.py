@@ -14,6 +14,7 @@ from fsm_calib.diagnosis.identify.robust_rows import robust_fit
 from fsm_calib.diagnosis.replay.wheels import TYPICAL_AXLE, wheels_of
 from fsm_calib.errors import DataError
 from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.wheel_stamps import middle_of
 from fsm_calib.types import FloatArray
 
 CORRELATED_SECONDS = (
@@ -78,11 +79,9 @@ def _rates(recording: Recording) -> tuple[FloatArray, FloatArray, FloatArray]:
         raise DataError("no yaw rate was recorded")
     pair = recording.wheel_rate or recording.wheel_speed
     if pair is not None:
-        return (
-            np.interp(track.time, pair.time, pair.left),
-            np.interp(track.time, pair.time, pair.right),
-            np.asarray(track.value),
-        )
+        middle = middle_of(pair)
+        left, right = (np.interp(track.time, middle, side) for side in (pair.left, pair.right))
+        return left, right, np.asarray(track.value)
     wheels, middle = wheels_of(recording), (track.time[1:] + track.time[:-1]) / 2.0
     left, right = wheels.between(track.time)
     step = np.diff(track.time)

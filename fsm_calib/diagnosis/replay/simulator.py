@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE, NOMINAL_RADIUS, Prepared
 from fsm_calib.errors import DataError
 from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.wheel_stamps import held
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.observation import observe, robot_time
@@ -23,7 +24,9 @@ NOMINAL_WHEEL_RATE = (
 )
 LEAD_TIME = 1.2  # s simulated before the first event, so that a delayed command and a moving start are known
 GRID_STEP = 0.01  # s between stored states; cubic interpolation in between
-LOWEST_INPUT_LAG = 0.005  # s: measured wheel speeds need no motor
+LOWEST_INPUT_LAG = (
+    0.005  # s: measured wheel speeds need no motor; they begin earlier by the shortest lag that it has
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +196,9 @@ def full_speed(recording: Recording) -> float:
 
 
 def drive_of(recording: Recording, full: float) -> tuple[Drive, bool]:
-    """Return the wheel commands in units of command 1, and whether they are measured wheel speeds instead."""
+    """Return the wheel commands in units of command 1, and whether they are measured wheel speeds instead; these
+    begin when what they stand for does (`wheel_stamps`).
+    """
     robot = recording.robot
     half = 0.5 * (robot.axle_length or NOMINAL_AXLE)
     radius = robot.wheel_radius or NOMINAL_RADIUS
@@ -207,7 +212,8 @@ def drive_of(recording: Recording, full: float) -> tuple[Drive, bool]:
         return Drive(twist.time, (twist.v - turn) / full, (twist.v + turn) / full), False
     for pair, scale in ((recording.wheel_rate, radius), (recording.wheel_speed, 1.0)):
         if pair is not None:
-            return Drive(pair.time, pair.left * scale / full, pair.right * scale / full), True
+            time, left, right = held(pair)
+            return Drive(time - LOWEST_INPUT_LAG, left * scale / full, right * scale / full), True
     raise DataError(
         f"{recording.source or robot.name}: neither commands nor wheel speeds were recorded",
         cure="Log the wheel commands, or the encoders' rates.",

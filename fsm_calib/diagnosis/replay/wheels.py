@@ -13,6 +13,7 @@ from scipy.interpolate import PchipInterpolator
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import WheelPair
 from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.wheel_stamps import travel
 from fsm_calib.types import FloatArray
 
 TYPICAL_RADIUS = 0.03  # m, for scaling only, where the manifest names none (Duckiebot 0.0318, Khepera 0.0205)
@@ -79,7 +80,7 @@ def wheels_of(recording: Recording) -> Wheels:
         )
     if recording.wheel_rate is not None:
         track = recording.wheel_rate
-        time, left, right = _integrated(track)
+        time, left, right = travel(track)
         return Wheels(
             time,
             left,
@@ -91,7 +92,7 @@ def wheels_of(recording: Recording) -> Wheels:
             facts.wheel_radius or TYPICAL_RADIUS,
         )
     if recording.wheel_speed is not None:
-        time, left, right = _integrated(recording.wheel_speed)
+        time, left, right = travel(recording.wheel_speed)
         return Wheels(time, left, right, "m", "wheel_gain", "1", 1.0, 1.0)
     raise DataError("no wheel was measured", cure="Record wheel_angle, wheel_rate or wheel_speed.")
 
@@ -103,19 +104,3 @@ def _wheels(
     return Wheels(
         track.time, left - left[0], right - right[0], unit, name, scale_unit, nominal, nominal or typical
     )
-
-
-def _integrated(track: WheelPair) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Integrate rates: mean values over their intervals where given, else by the trapezoidal rule."""
-    if track.duration is not None:
-        time = np.append(track.time, track.time[-1] + track.duration[-1])
-        sums = [
-            np.concatenate([[0.0], np.cumsum(side * track.duration)]) for side in (track.left, track.right)
-        ]
-        return time, sums[0], sums[1]
-    step = np.diff(track.time)
-    sums = [
-        np.concatenate([[0.0], np.cumsum(step * (side[1:] + side[:-1]) / 2.0)])
-        for side in (track.left, track.right)
-    ]
-    return track.time, sums[0], sums[1]

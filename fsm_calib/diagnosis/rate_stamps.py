@@ -1,0 +1,122 @@
+"""Wheel rates of which nobody said what time they stand for: samples at their stamp, or means since the row before?
+
+A driver that divides the difference of two encoder counts by the time between them knows the rate only afterwards. Read
+as samples, such rates come half an interval late, and the poses seem that much *early*. No sensor is early, so poses
+that the wheels tell best half an interval earlier mean that these rates are such means. Poses that seem late may well
+be late (exposure, transport), so that is never put down to the wheels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fsm_calib.recording.channels import PoseTrack, WheelPair
+from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.wheel_stamps import travel
+from fsm_calib.types import FloatArray
+
+SHORTEST_STEP = 0.1  # s between the poses that are compared: over less, most trackers tell noise
+FEWEST_STEPS = 50  # steps between poses, to tell two readings apart
+CLEARLY_LIKELIER = 10.0  # log-likelihood units, as `identify` asks of another reading of the wheels
+FREEDOM = 4.0  # degrees of freedom of the residuals' Student distribution
+REWEIGHTED = 6  # rounds of iteratively reweighted least squares; four suffice
+
+
+def with_stamps(
+    recordings: Sequence[Recording], others: Sequence[Recording] = ()
+) -> tuple[list[Recording], list[Recording], str]:
+    """Return both lists with the rates' meaning set where none was stated, and a sentence where it is not `middle`.
+
+    recordings, others : of one robot, whose driver stamps alike; all have poses, only `recordings` decide.
+    """
+    asked = [r for r in recordings if _unstated(r) is not None]
+    if not asked:
+        return list(recordings), list(others), ""
+    gain = sum(_gain(r) for r in asked)
+    if gain < CLEARLY_LIKELIER:
+        return list(recordings), list(others), ""
+    pair = _unstated(asked[0])
+    step = float(np.median(np.diff(pair.time))) if pair is not None else 0.0
+    sentence = (
+        f"the wheels' rates are read as means since the row before, {0.5 * step:.3f} s earlier than samples: so the "
+        "poses follow them best; a manifest may state it (stamp: end, middle or start)"
+    )
+    return [_means(r) for r in recordings], [_means(r) for r in others], sentence
+
+
+def _unstated(recording: Recording) -> WheelPair | None:
+    """Return the rates that drive the simulation of this recording, where their meaning is open."""
+    if recording.command is not None or recording.twist is not None:
+        return None
+    pair = recording.wheel_rate or recording.wheel_speed
+    return pair if pair is not None and pair.duration is None and pair.stamp is None else None
+
+
+def _means(recording: Recording) -> Recording:
+    pair = _unstated(recording)
+    if pair is None:
+        return recording
+    name = "wheel_rate" if recording.wheel_rate is not None else "wheel_speed"
+    return replace(recording, **{name: replace(pair, stamp="end")})  # type: ignore[arg-type]
+
+
+def _gain(recording: Recording) -> float:
+    """Return by how much [log-likelihood] the poses follow means since the row before better than samples.
+
+    The shift alone is compared, and a whole interval must be worse than half of one: poses that are earlier still run
+    on another clock.
+    """
+    pair, pose = _unstated(recording), recording.pose
+    if pair is None or pose is None or len(pair) < 2:
+        return 0.0
+    step = float(np.median(np.diff(pair.time)))
+    moves = _moves(pose, max(step, SHORTEST_STEP))
+    if moves is None:
+        return 0.0
+    sample, half, whole = (_log_likelihood(pair, *moves, shift) for shift in (0.0, 0.5 * step, step))
+    return half - max(sample, whole)
+
+
+def _moves(pose: PoseTrack, least: float) -> tuple[FloatArray, FloatArray] | None:
+    """Return (n, 2) start and end [s] of steps between poses and what was measured over them, (n, 1 or 2): the turn
+    [rad] and, where places were measured, the way forward [m]; None where there are too few.
+    """
+    known = np.flatnonzero(np.isfinite(pose.theta))
+    if len(known) < 2:
+        return None
+    every = max(1, round(least / float(np.median(np.diff(pose.time[known])))))
+    track = pose.rows(known).rows(slice(None, None, every))
+    time, theta = track.time, np.unwrap(track.theta)
+    whole = np.diff(time) < 3.0 * float(np.median(np.diff(time)))
+    if whole.sum() < FEWEST_STEPS:
+        return None
+    turn, middle = np.diff(theta), 0.5 * (theta[1:] + theta[:-1])
+    ahead = np.cos(middle) * np.diff(track.x) + np.sin(middle) * np.diff(track.y)
+    columns = [turn, ahead] if np.isfinite(ahead).all() else [turn]
+    return np.column_stack([time[:-1], time[1:]])[whole], np.column_stack(columns)[whole]
+
+
+def _log_likelihood(pair: WheelPair, steps: FloatArray, measured: FloatArray, shift: float) -> float:
+    """Return how well the travel of the wheels, `shift` [s] later by the poses' clock, tells what was measured, each
+    column by a linear fit with Student residuals of the likeliest scale.
+    """
+    time, *sides = travel(pair)
+    ways = [np.diff(np.interp(steps + shift, time, side), axis=1)[:, 0] for side in sides]
+    design = np.column_stack(ways)
+    return sum(_student(design, column) for column in measured.T)
+
+
+def _student(design: FloatArray, target: FloatArray) -> float:
+    weight = np.ones(len(target))
+    scale, left = 1.0, target
+    for _ in range(REWEIGHTED):
+        root = np.sqrt(weight)
+        solved = np.linalg.lstsq(design * root[:, None], target * root, rcond=None)[0]
+        left = target - design @ solved
+        scale = float(np.sqrt(np.mean(weight * left**2))) + 1e-12
+        weight = (FREEDOM + 1.0) / (FREEDOM + (left / scale) ** 2)
+    tails = 0.5 * (FREEDOM + 1.0) * np.log1p((left / scale) ** 2 / FREEDOM)
+    return float(-np.sum(tails) - len(left) * np.log(scale))

@@ -1,0 +1,110 @@
+"""What a wheel rate's stamp stands for: declared, or told by the poses; a false delay is no longer named."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from wild_forms import Robot, driven
+
+from fsm_calib.diagnosis.diagnose import diagnose
+from fsm_calib.diagnosis.rate_stamps import with_stamps
+from fsm_calib.diagnosis.replay.wheels import wheels_of
+from fsm_calib.errors import FsmCalibError
+from fsm_calib.recording import Recording, WheelPair, read_recording
+from fsm_calib.recording.recording import RobotFacts
+from fsm_calib.recording.wheel_stamps import held, middle_of, travel
+from fsm_calib.recording.writers import write_bag, write_recording
+
+FACTS = RobotFacts(wheel_radius=Robot().radius, axle_length=Robot().axle)
+RAMP = WheelPair(np.arange(5.0), 2.0 * np.arange(5.0), np.arange(5.0), "rad/s")
+
+
+def with_rates(kind, seed=4, rate=20.0):
+    """Return a simulated drive whose wheel rates are means since the row before ("end") or until the next ("start"),
+    or samples ("middle")."""
+    drive = driven(seed=seed, rate=rate)
+    angles = np.column_stack([drive.wheel_angle.left, drive.wheel_angle.right])
+    time, step = drive.pose.time, np.diff(drive.pose.time)[:, None]
+    means, still = np.diff(angles, axis=0) / step, np.zeros((1, 2))
+    rates = {"end": np.vstack([still, means]), "start": np.vstack([means, still])}
+    rates["middle"] = 0.5 * (rates["end"] + rates["start"])
+    return Recording(robot=FACTS, pose=drive.pose, wheel_rate=WheelPair(time, *rates[kind].T, "rad/s"))
+
+
+@pytest.mark.parametrize(("stamp", "first"), [("start", 0.0), ("end", -1.0)])
+def test_means_hold_from_where_their_time_begins(stamp, first):
+    assert held(dataclasses.replace(RAMP, stamp=stamp))[0] == pytest.approx(np.arange(5.0) + first)
+
+
+@pytest.mark.parametrize("stamp", [None, "middle"])
+def test_samples_hold_for_the_parts_between_them(stamp):
+    time, left, right = held(dataclasses.replace(RAMP, stamp=stamp))
+    assert time == pytest.approx(np.arange(17) / 4)
+    assert left[:-1] == pytest.approx(2.0 * (time[:-1] + 0.125))
+    assert right[-1] == 4.0
+
+
+@pytest.mark.parametrize(("stamp", "middle"), [(None, 0.0), ("start", 0.5), ("end", -0.5)])
+def test_the_middle_of_a_mean_lies_half_an_interval_beside_its_stamp(stamp, middle):
+    assert middle_of(dataclasses.replace(RAMP, stamp=stamp)) == pytest.approx(np.arange(5.0) + middle)
+
+
+@pytest.mark.parametrize(("stamp", "way"), [("middle", 16.0), ("start", 12.0), ("end", 20.0)])
+def test_travel_sums_each_rate_over_its_own_time(stamp, way):
+    assert travel(dataclasses.replace(RAMP, stamp=stamp))[1][-1] == pytest.approx(way)
+
+
+def test_differences_of_angles_stamped_at_the_end_travel_as_the_angles():
+    angles, wheels = driven(seed=4).wheel_angle, with_rates("end").wheel_rate
+    told = wheels_of(Recording(wheel_rate=dataclasses.replace(wheels, stamp="end")))
+    assert told.left == pytest.approx(angles.left - angles.left[0], abs=1e-9)
+
+
+def test_poses_tell_means_since_the_row_before():
+    (found,), _, sentence = with_stamps([with_rates("end")])
+    assert found.wheel_rate.stamp == "end"
+    assert "means since the row before" in sentence
+
+
+@pytest.mark.parametrize("kind", ["middle", "start"])
+def test_poses_that_are_not_early_leave_the_rates_as_samples(kind):
+    (found,), _, sentence = with_stamps([with_rates(kind)])
+    assert (found.wheel_rate.stamp, sentence) == (None, "")
+
+
+def test_what_the_manifest_states_is_not_asked_of_the_poses():
+    stated = with_rates("end")
+    stated = dataclasses.replace(stated, wheel_rate=dataclasses.replace(stated.wheel_rate, stamp="middle"))
+    (found,), _, sentence = with_stamps([stated])
+    assert (found.wheel_rate.stamp, sentence) == ("middle", "")
+
+
+def test_a_holdout_is_read_as_the_recordings_that_are_fitted():
+    _, (held,), _ = with_stamps([with_rates("end")], [with_rates("end", seed=5)])
+    assert held.wheel_rate.stamp == "end"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "stamp"), [("end", None), ("start", "start")])
+def test_a_robot_told_by_means_of_its_wheel_rates_matches(kind, stamp):
+    recording = with_rates(kind)
+    pair = dataclasses.replace(recording.wheel_rate, stamp=stamp)
+    assert diagnose([dataclasses.replace(recording, wheel_rate=pair)]).verdict.verdict == "match"
+
+
+def test_a_stamp_is_read_from_tables_and_written_again(tmp_path):
+    recording = with_rates("end")
+    recording = dataclasses.replace(
+        recording, wheel_rate=dataclasses.replace(recording.wheel_rate, stamp="end")
+    )
+    assert read_recording(write_recording(recording, tmp_path / "table")).wheel_rate.stamp == "end"
+    assert read_recording(write_bag(recording, tmp_path / "bag")).wheel_rate.stamp == "end"
+
+
+def test_a_stamp_beside_a_duration_is_refused(tmp_path):
+    (tmp_path / "recording.yaml").write_text(
+        "format: fsm-calib/recording@1\nchannels:\n"
+        "  wheel_rate: {file: w.csv, duration: d, left: l, right: r, stamp: end}\n"
+    )
+    with pytest.raises(FsmCalibError, match="leave stamp out"):
+        read_recording(tmp_path)
