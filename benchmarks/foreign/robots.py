@@ -31,9 +31,12 @@ class Robot:
     known: dict[str, Any] = field(default_factory=dict)
 
 
-def draw_robot(rng: np.random.Generator, name: str, engine: str, label_names: tuple[str, ...]) -> Robot:
-    """Draw a robot whose departures are none of the labelled effects."""
-    mass = float(np.exp(rng.uniform(np.log(0.5), np.log(25.0))))
+def draw_robot(
+    rng: np.random.Generator, name: str, engine: str, label_names: tuple[str, ...], mass: float = 0.0
+) -> Robot:
+    """Draw a robot whose departures are none of the labelled effects; of a mass [kg], 0: drawn as well."""
+    drawn = float(np.exp(rng.uniform(np.log(0.5), np.log(25.0))))
+    mass = mass or drawn
     scale = mass ** (1 / 3)
     radius = 0.032 * scale * float(rng.uniform(0.8, 1.25))
     axle = max(0.12 * scale * float(rng.uniform(0.85, 1.25)), 2.2 * radius)

@@ -38,6 +38,8 @@ class Order:
     engine: str
     seed: int
     law: str = ""  # a law by name, for tests; empty = drawn
+    mass: float = 0.0  # kg; 0 = drawn
+    states_mass: bool = False  # whether the recordings say mass and inertia
 
 
 @dataclass
@@ -143,7 +145,7 @@ class Bench:
 def draw_bench(order: Order, attempt: int) -> Bench:
     """Draw everything about a robot but the sizes of its effects."""
     rng = np.random.default_rng([order.seed, attempt])
-    robot = draw_robot(rng, order.name, order.engine, order.labels)
+    robot = draw_robot(rng, order.name, order.engine, order.labels, order.mass)
     effects = []
     for label in order.labels:
         choice = [

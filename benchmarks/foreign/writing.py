@@ -29,7 +29,9 @@ def write(bench: Bench, setup: Setup, drive: Drive, run: str, folder: Path) -> N
     names = ("v", "omega") if twist else ("left", "right")
     table(folder / "command.csv.gz", ("t", *names), np.column_stack([drive.times, command]), 5)
     table(folder / "pose.csv.gz", ("t", "x", "y", "theta"), np.column_stack([times, poses]), 5)
-    known = ", ".join(f"{k}: {v}" for k, v in sheet.items())
+    body = robot.parts["body"]
+    stated = {"mass": body["mass"], "inertia": body["inertia"]} if bench.order.states_mass else {}
+    known = ", ".join(f"{k}: {v}" for k, v in (sheet | stated).items())
     lines = [
         "format: fsm-calib/recording@1",
         f"robot: {{name: {robot.name}, {known}}}",

@@ -29,8 +29,9 @@ from fsm_calib.world2d.faults import (
     Obstacle,
 )
 from fsm_calib.world2d.overhead import TrackerSettings
-from fsm_calib.world2d.parameters import BASE
+from fsm_calib.world2d.parameters import BASE, parameter_table
 from fsm_calib.world2d.robot import Wear, WorldSettings
+from fsm_calib.world2d.scale import LARGEST, Scale
 from fsm_calib.world2d.scene import BoardPlacement, MarkerField, Road, Wall
 from fsm_calib.world2d.sensor import SensorSettings
 
@@ -54,7 +55,8 @@ def _physical(parameter: Parameter) -> tuple[Any, Any]:
     said = (
         f"{parameter.symbol} [{parameter.unit}]; default {parameter.null:g}, typical {parameter.typical:g}."
     )
-    return float | None, Field(default=None, ge=parameter.low, le=parameter.high, description=said)
+    low, high = LARGEST.bounds(parameter)
+    return float | None, Field(default=None, ge=low, le=high, description=said)
 
 
 def base_section() -> type[Section]:
@@ -81,6 +83,25 @@ def effects_section() -> type[Section]:
     return create_model(
         "EffectsSection", __base__=Section, __doc__="Effects of the catalogue, by name.", **parts
     )
+
+
+def beyond_size(base: Section, effects: Section, speed: float | None) -> str:
+    """Return what is more than a robot of this axle and speed (a share of the nominal) may have; empty for none."""
+    table, given = parameter_table(), base.model_dump(exclude_none=True)
+    null = dict(zip(table.names, table.null, strict=True))
+    axle = given.get("axle_length") or null["axle_length"]
+    scale = Scale.of(axle, (speed or 1.0) * null["gain_left"])
+    parts = effects.model_dump(exclude_none=True)
+    given |= {f"{name}.{key}": value for name, part in parts.items() for key, value in part.items()}
+    for full, value in given.items():
+        entry = table.entries[table.place(full)]
+        low, high = scale.bounds(entry)
+        if not low <= value <= high:
+            return (
+                f"{full} is {value:g} {entry.unit}, not in {low:g} to {high:g} {entry.unit}, which a robot with an "
+                f"axle of {axle:g} m may have"
+            )
+    return ""
 
 
 if TYPE_CHECKING:  # what a mirror holds is known when it is made, not before

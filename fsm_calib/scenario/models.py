@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from fsm_calib.machines.supervisor import PHASES
 from fsm_calib.robots.address import VEHICLE_PATTERN
@@ -31,6 +31,7 @@ from fsm_calib.scenario.mirrors import (
     WallSection,
     WearSection,
     WorldSection,
+    beyond_size,
 )
 from fsm_calib.scenario.section import Section
 from fsm_calib.types import CameraModel
@@ -165,6 +166,12 @@ class RobotSection(Section):
         lt=2.0,
         description="The true wheel ratio k (right command over left command) for straight driving [1].",
     )
+
+    @model_validator(mode="after")
+    def _physical(self) -> RobotSection:
+        if said := beyond_size(self.base, self.effects, self.speed):
+            raise ValueError(said)
+        return self
 
 
 class BoardsSection(Section):

@@ -117,12 +117,13 @@ def share_load(P, W):
     """Distribute the weight [N] over wheels and caster by the centre of mass; called once, after the effects'
     begin.
 
-    The caster, `CASTER_ARM` behind the axle, bears its share of the centred robot plus -x/arm; a centre of
-    mass to the left loads the left wheel. No wheel is ever lifted: at least a tenth of its even load remains
-    (assumed).
+    The caster, `CASTER_ARM` behind the axle (farther on a robot larger than `SMALL_AXLE`), bears its share of the
+    centred robot plus -x/arm; a centre of mass to the left loads the left wheel. No wheel is ever lifted: at least a
+    tenth of its even load remains (assumed).
     """
     weight = W[MASS] * slots.GRAVITY
-    wheels = min(max(1.0 - P[CASTER_SHARE] + W[COM_X] / slots.CASTER_ARM, 0.1), 1.0) * weight
+    arm = slots.CASTER_ARM * max(1.0, 2.0 * W[HALF_AXLE] / slots.SMALL_AXLE)
+    wheels = min(max(1.0 - P[CASTER_SHARE] + W[COM_X] / arm, 0.1), 1.0) * weight
     left = min(max(0.5 + 0.5 * W[COM_Y] / W[HALF_AXLE], 0.05), 0.95)
     W[LOAD], W[LOAD + 1] = wheels * left, wheels * (1.0 - left)
 

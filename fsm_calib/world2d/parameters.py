@@ -14,6 +14,7 @@ import numpy as np
 from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, Parameter, per_catalogue, registry
+from fsm_calib.world2d.scale import Scale
 
 KINEMATICS = (
     "Duckietown kinematics node: motor constant 27 rad/s, radius 0.0318 m; DB18 model 0.6 m/s at full command"
@@ -71,7 +72,7 @@ BASE: tuple[Parameter, ...] = (
         KINEMATICS,
         mirror="swap:wheel_radius_left",
     ),
-    Parameter("mass", "m", "kg", 1.1, 0.2, 100.0, 1.1, f"DB18 with battery, {ASSUMED}", fitted=False),
+    Parameter("mass", "m", "kg", 1.1, 0.2, 1000.0, 1.1, f"DB18 with battery, {ASSUMED}", fitted=False),
     Parameter("friction", "mu", "1", 0.75, 0.05, 50.0, 0.75, f"rubber on foam mats, {ASSUMED}", fitted=False),
     Parameter(
         "slip_speed",
@@ -85,7 +86,7 @@ BASE: tuple[Parameter, ...] = (
         fitted=False,
     ),
     Parameter("caster_share", "c", "1", 0.0, 0.0, 0.6, 0.1, f"weight on the caster, {ASSUMED}", fitted=False),
-    Parameter("wheel_inertia", "J", "kg m2", 2.8e-4, 0.0, 0.1, 2.8e-4, ROTOR, fitted=False),
+    Parameter("wheel_inertia", "J", "kg m2", 2.8e-4, 0.0, 10.0, 2.8e-4, ROTOR, fitted=False),
 )
 """The base robot, in the order of `dynamics`' places."""
 
@@ -139,16 +140,21 @@ class ParameterTable:
         return tuple(dict.fromkeys(on))
 
     def check(self, vector: FloatArray, where: str = "") -> None:
-        """Refuse a vector with a wrong length, a NaN or a value outside its physical bounds (InputError)."""
+        """Refuse a vector with a wrong length, a NaN or a value outside the physical bounds of a robot of its axle and
+        speed (InputError).
+        """
         vector = np.asarray(vector)
         if vector.shape != (len(self.names),):
             raise InputError(f"{vector.shape} parameters, expected ({len(self.names)},)", where=where)
+        gains = max(vector[self.index["gain_left"]], vector[self.index["gain_right"]])
+        scale = Scale.of(float(vector[self.index["axle_length"]]), float(gains))
         for name, entry, value in zip(self.names, self.entries, vector, strict=True):
-            if not entry.low <= value <= entry.high and value != entry.null:
+            low, high = scale.bounds(entry)
+            if not low <= value <= high and value != entry.null:
                 raise InputError(
-                    f"{name} is {value:g} {entry.unit}, not in {entry.low:g} to {entry.high:g} {entry.unit}",
+                    f"{name} is {value:g} {entry.unit}, not in {low:g} to {high:g} {entry.unit}",
                     where=where,
-                    cure="Give a value within these physical bounds.",
+                    cure="Give a value within these physical bounds of a robot of this axle and speed.",
                 )
 
     def mirrored(self, vector: FloatArray) -> FloatArray:

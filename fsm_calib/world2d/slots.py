@@ -97,6 +97,9 @@ GRAVITY = 9.80665
 """Standard gravity [m/s2] (CGPM 1901)."""
 CASTER_ARM = 0.083
 """Distance of the caster's pivot behind the axle [m] (Duckietown URDF, duckiebot.urdf.xacro, DB18)."""
+SMALL_AXLE = 0.3
+"""Axle length up to which a robot is a small one [m] (Duckiebot 0.1, Create 0.26): what is longer on a larger one grows
+with its axle from here on."""
 CREEP_SPEED = 1e-3
 """Speed below which dry friction on the body acts like a stiff damper [m/s]: a fifth of what tag poses can
 see in 1 s."""

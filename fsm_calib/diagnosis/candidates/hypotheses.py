@@ -22,6 +22,7 @@ from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part, project, winnings
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.scale import SMALL, Scale
 
 MOST_STARTS = 24
 CHECKED = 4  # starts whose promise is checked by simulation
@@ -108,17 +109,17 @@ def hypotheses_of(effect: Effect, runs: int) -> Iterator[Hypothesis]:
             yield Hypothesis(effect.name, closure.frees, run, closure=closure.name)
 
 
-def slots_of(hypothesis: Hypothesis, runs: int) -> tuple[Slot, ...]:
-    """Return the free numbers: shared ones once, those that belong to a recording once for each."""
+def slots_of(hypothesis: Hypothesis, runs: int, scale: Scale = SMALL) -> tuple[Slot, ...]:
+    """Return the free numbers: shared ones once, those that belong to a recording once for each; bounds by `scale`."""
     effect = registry()[hypothesis.effect]
     slots: list[Slot] = []
     for name, full in zip(hypothesis.names, hypothesis.full_names, strict=True):
         if hypothesis.run != ALL_RUNS:
-            slots.append(slot_of(full, hypothesis.run))
+            slots.append(slot_of(full, hypothesis.run, scale))
         elif effect.parameter(name).per_recording:
-            slots += [slot_of(full, run) for run in range(runs)]
+            slots += [slot_of(full, run, scale) for run in range(runs)]
         else:
-            slots.append(slot_of(full))
+            slots.append(slot_of(full, scale=scale))
     return tuple(slots)
 
 

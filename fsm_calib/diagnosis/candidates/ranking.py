@@ -21,6 +21,7 @@ from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit, jacobian
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import switched_off
+from fsm_calib.diagnosis.replay.simulator import scale_of
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.score_tests import residual_of
 from fsm_calib.types import FloatArray
@@ -183,7 +184,9 @@ class Bank:
     def _begun(self, hypothesis: Hypothesis, start: Start, worth: float = 0.0) -> Ranked:
         """Fit one hypothesis at the parent's noise; what does not get near the gain `worth` is given up early."""
         taken = {(slot.place, slot.run) for slot in self.parent.slots}
-        new = [s for s in slots_of(hypothesis, len(self.engine.simulators)) if (s.place, s.run) not in taken]
+        simulators = self.engine.simulators
+        free = slots_of(hypothesis, len(simulators), scale_of(simulators[0]))
+        new = [s for s in free if (s.place, s.run) not in taken]
         slots = (*self.parent.slots, *new)
         known, noise, hope = (
             self.parent.columns,

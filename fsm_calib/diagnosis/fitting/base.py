@@ -10,10 +10,12 @@ import numpy as np
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.diagnosis.likelihood.noise import Noise
-from fsm_calib.diagnosis.replay.simulator import Simulator, nominal_values
+from fsm_calib.diagnosis.replay.simulator import Simulator, nominal_values, scale_of
+from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Parameter, registry
 from fsm_calib.world2d.parameters import NUISANCE, parameter_table
+from fsm_calib.world2d.scale import SMALL, Scale
 
 SLIP_SPREAD = (
     0.006  # m/s: tyres of small robots differ by half of the default slip speed (benchmarks/rollout.py)
@@ -25,6 +27,10 @@ TYPICAL_LAG, LAG_SPREAD = (
     0.15,
     0.25,
 )  # s: time constants of small robots are 0.05 to 0.3 s; weak, data overrule it
+TURNING_SHARES = (
+    0.3,
+    3.0,
+)  # tau_turn over tau_forward: a body all at the axle's middle, one as long as three axles
 TYPICAL_TRAIL, TRAIL_SPREAD, LONGEST_TRAIL = (
     0.0066,
     0.002,
@@ -48,22 +54,43 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
     names = list(NUISANCE[:3]) if simulators[0].measured_input else list(NUISANCE)
     if any(s.prepared.has_encoders for s in simulators):
         names += ["wheel_radius_left", "wheel_radius_right"]
-    slots = [slot_of(name) for name in names]
+    scale = scale_of(simulators[0])
+    slots = [slot_of(name, scale=scale) for name in names]
     robot = simulators[0].prepared.recording.robot
     if robot.axle_length:
         slots[2] = near(slots[2], robot.axle_length, AXLE_SPREAD)
     if robot.wheel_radius and simulators[0].measured_input:
         slots[:2] = [near(slot, float(values[slot.place]), RADIUS_SPREAD) for slot in slots[:2]]
     if not simulators[0].measured_input:
-        slots[3:5] = [replace(slot, centre=TYPICAL_LAG, spread=LAG_SPREAD) for slot in slots[3:5]]
+        lags = (TYPICAL_LAG, TYPICAL_LAG * turning_share(robot, values))
+        slots[3:5] = [
+            replace(s, centre=lag, spread=LAG_SPREAD) for s, lag in zip(slots[3:5], lags, strict=True)
+        ]
     if simulators[0].measured_input:
         slots.append(
             replace(slot_of("tau_turn"), high=LONGEST_TRAIL, centre=TYPICAL_TRAIL, spread=TRAIL_SPREAD)
         )
-    slip = slot_of("slip_speed")
-    centre = float(values[slip.place])
-    slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=SLIP_SPREAD))
+    slip = slot_of("slip_speed", scale=scale)
+    centre, spread = scale.speed * float(values[slip.place]), scale.speed * SLIP_SPREAD
+    slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=spread))
     return tuple(slots)
+
+
+def turning_share(robot: RobotFacts, values: FloatArray) -> float:
+    """Return tau_turn over tau_forward [1] as the stated mass and inertia make it; 1 where they are not stated.
+
+    (I + m_w b^2 / 2) / (b^2 / 4 (m + 2 m_w)) after `world2d.dynamics`, the wheels' m_w in the base's share of the mass.
+    """
+    if robot.mass is None or robot.inertia is None:
+        return 1.0
+    table = parameter_table()
+    axle, radius, mass, inertia = (
+        float(values[table.place(name)])
+        for name in ("axle_length", "wheel_radius_left", "mass", "wheel_inertia")
+    )
+    rotating = inertia / radius**2 / mass
+    share = (4.0 * robot.inertia / (robot.mass * axle**2) + 2.0 * rotating) / (1.0 + 2.0 * rotating)
+    return float(np.clip(share, *TURNING_SHARES))
 
 
 def near(slot: Slot, stated: float, spread: float) -> Slot:
@@ -73,12 +100,12 @@ def near(slot: Slot, stated: float, spread: float) -> Slot:
     return replace(slot, low=low, high=high, centre=stated, spread=slack)
 
 
-def slot_of(name: str, run: int = -1) -> Slot:
-    """Return the slot of a parameter with its physical bounds."""
+def slot_of(name: str, run: int = -1, scale: Scale = SMALL) -> Slot:
+    """Return the slot of a parameter with the physical bounds of a robot of some `scale`."""
     table = parameter_table()
     place = table.place(name)
     entry = table.entries[place]
-    return Slot(place, entry.low, entry.high, entry.difference_step, run, *_prior_of(entry))
+    return Slot(place, *scale.bounds(entry), entry.difference_step, run, *_prior_of(entry))
 
 
 def _prior_of(entry: Parameter) -> tuple[float, float]:

@@ -41,11 +41,13 @@ def has_size(ranked: Ranked) -> bool:
         p = effect.parameter(name)
         if not p.strength:
             continue
-        values = ranked.fit.values[:, table.place(f"{ranked.name}.{name}")]
-        ends = [end for end in (p.low, *([] if p.natural_end else [p.high])) if end != p.null]
+        place = table.place(f"{ranked.name}.{name}")
+        values = ranked.fit.values[:, place]
+        low, high = next(((s.low, s.high) for s in ranked.fit.slots if s.place == place), (p.low, p.high))
+        ends = [end for end in (low, *([] if p.natural_end else [high])) if end != p.null]
         if np.any(np.abs(values - p.null) < p.least):
             return False
-        if any(np.any(np.abs(values - end) < AT_BOUND * (p.high - p.low)) for end in ends):
+        if any(np.any(np.abs(values - end) < AT_BOUND * (high - low)) for end in ends):
             return False
     return True
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-SMALL_AXLE = (
-    0.3  # m: the pitches and radii of the searches fit robots up to here (Duckiebot 0.1, Create 0.26)
-)
+from fsm_calib.world2d.slots import SMALL_AXLE
+
 STEP_AXLE = 0.1  # m: each more counts for a whole small robot (Husky 0.56: 3.6, Warthog 1.08: 8.8)
 
 

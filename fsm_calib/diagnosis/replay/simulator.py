@@ -18,12 +18,14 @@ from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.observation import observe, robot_time
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive, active_flags, simulate_many
+from fsm_calib.world2d.scale import Scale
 
 NOMINAL_WHEEL_RATE = (
     20.0  # rad/s at command 1: Duckietown DB18 on its nominal battery (27 is the unloaded motor)
 )
 LEAD_TIME = 1.2  # s simulated before the first event, so that a delayed command and a moving start are known
 GRID_STEP = 0.01  # s between stored states; cubic interpolation in between
+SMALL_RADIUS = 0.05  # m: larger wheels are taken to have the same share of the robot's mass at their rims
 LOWEST_INPUT_LAG = (
     0.005  # s: measured wheel speeds need no motor; they begin earlier by the shortest lag that it has
 )
@@ -179,6 +181,11 @@ def make_simulator(prepared: Prepared, world: Mapping[str, float] | None = None)
     return Simulator(prepared, drive, grid, track_of(prepared), full, measured, dict(world or {}))
 
 
+def scale_of(simulator: Simulator) -> Scale:
+    """Return by how much the robot is larger and faster than the small ones for which bounds are declared."""
+    return Scale.of(2.0 * float(simulator.prepared.geometry[0]), simulator.full_speed)
+
+
 def track_of(prepared: Prepared) -> FloatArray:
     """Return time [s], x, y [m], theta [rad] of the path, and the wheels' angles [rad] where they were measured."""
     track = prepared.track.poses()
@@ -231,6 +238,9 @@ def nominal_values(simulators: Sequence[Simulator]) -> FloatArray:
         values[table.place(f"gain_{side}")] = simulators[0].full_speed
         values[table.place(f"wheel_radius_{side}")] = robot.wheel_radius or NOMINAL_RADIUS
     values[table.place("axle_length")] = robot.axle_length or NOMINAL_AXLE
+    values[table.place("wheel_inertia")] *= (
+        max(1.0, (robot.wheel_radius or NOMINAL_RADIUS) / SMALL_RADIUS) ** 2
+    )
     if simulators[0].measured_input:
         values[table.place("tau_forward")] = LOWEST_INPUT_LAG
         values[table.place("tau_turn")] = LOWEST_INPUT_LAG
