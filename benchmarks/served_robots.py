@@ -1,7 +1,7 @@
 """Robots calibrated through ROS 1 in lockstep: late and lost frames, late commands, whole PWM numbers, no truth.
 
     python benchmarks/served_robots.py --robots 20                           camera 80 +- 10 ms, commands 5 +- 10 ms
-    python benchmarks/served_robots.py --robots 20 --camera 0.15 --command 0.05
+    python benchmarks/served_robots.py --robots 20 --camera 0.15 --camera-jitter 0.05 --command 0.05
 
 The master is the project's own; `--master http://127.0.0.1:11311/` takes a running roscore.
 """
@@ -59,10 +59,17 @@ def main() -> None:
     parser.add_argument("--robots", type=int, default=20)
     parser.add_argument("--first", type=int, default=1)
     parser.add_argument("--camera", type=float, default=0.08)
-    parser.add_argument("--command", type=float, default=0.01)
+    parser.add_argument("--camera-jitter", type=float, default=0.01)
+    parser.add_argument("--command", type=float, default=0.01, help="jitter of the commands [s]")
     parser.add_argument("--master", default="")
     given = parser.parse_args()
-    settings = {"camera_latency": given.camera, "command_jitter": given.command, "dropped": 0.1, "late": 0.05}
+    settings = {
+        "camera_latency": given.camera,
+        "camera_jitter": given.camera_jitter,
+        "command_jitter": given.command,
+        "dropped": 0.1,
+        "late": 0.05,
+    }
     master = given.master or Master().url
     rows = []
     for seed in range(given.first, given.first + given.robots):

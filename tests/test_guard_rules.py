@@ -134,6 +134,19 @@ def test_dead_reckoning_from_encoders_follows_a_turn() -> None:
     assert (reckoning.pose.x, reckoning.pose.y) == pytest.approx((1.0, 2.0), abs=1e-3)
 
 
+def test_dead_reckoning_rolls_out_backwards_though_the_encoders_count_forward() -> None:
+    reckoning = Reckoning()
+    reckoning.command(WheelCommand(-0.2, -0.2), 0.0)
+    for step in range(101):
+        for side in ("left", "right"):
+            reckoning.encoder(side, -0.01 * step, 0.1)
+    reckoning.command(WheelCommand(), 0.2)
+    for step in range(51):
+        for side in ("left", "right"):
+            reckoning.encoder(side, -1.0 + 0.01 * step, 0.3)
+    assert reckoning.pose.x == pytest.approx(-1.5 * reckoning.wheels.wheel_radius, rel=1e-4)
+
+
 def test_dead_reckoning_from_commands_is_the_motor_constants() -> None:
     reckoning = Reckoning()
     for step in range(11):

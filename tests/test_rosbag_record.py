@@ -1,4 +1,4 @@
-"""Debian's `rosbag record` during a run: its bag opens, and `identify` reads the drive from it."""
+"""Debian's `rosbag record` during a run: its bag opens, `identify` reads the drive, `diagnose` finds a match."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import pytest
 from ros_rig import NO_ROS, debian_master, until
 from served_robot import served
 
+from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.recording.read import read_recording
 from fsm_calib.robots.ros1.calls import Caller
@@ -88,3 +89,16 @@ def test_identify_reads_the_run_from_the_bag(bag: Path) -> None:
     assert left is not None
     assert right is not None
     assert left / right == pytest.approx(1.04, abs=0.01)
+
+
+def test_the_encoders_of_the_bag_agree_with_its_poses(bag: Path) -> None:
+    found = identify([read_recording(bag)])
+    axle, ahead, aside = (found.value(name) for name in ("axle_length", "sensor.x", "sensor.y"))
+    assert axle == pytest.approx(0.1, abs=0.01)
+    assert ahead == pytest.approx(0.0, abs=0.003)
+    assert aside == pytest.approx(0.0, abs=0.003)
+
+
+def test_the_served_robot_is_a_match_to_the_simulation(bag: Path) -> None:
+    found = diagnose([read_recording(bag)], seed=1)
+    assert found.verdict.verdict == "match"

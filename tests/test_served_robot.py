@@ -113,6 +113,18 @@ def test_a_driver_without_a_watch_turns_the_wheels_for_ever_and_encoders_count_i
     assert kept.counts["left"] == pytest.approx(135 * turns, rel=0.05)
 
 
+def test_encoders_count_forward_what_rolls_out_backwards() -> None:
+    robot, kept = duckiebot()
+    robot.take(WheelCommand(-0.4, -0.4))
+    robot.run_until(1.0)
+    robot.take(WheelCommand())
+    robot.run_until(1.01)
+    begin = kept.counts["left"]
+    robot.run_until(2.0)
+    assert begin < 0
+    assert kept.counts["left"] > begin
+
+
 def test_a_tracker_tells_where_the_robot_is_with_its_noise() -> None:
     robot, kept = duckiebot(tracker=20.0, tracker_noise=0.01)
     robot.run_until(2.0)

@@ -27,6 +27,7 @@ from fsm_calib.recording.recording import CHANNELS, Finding, Recording, RobotFac
 from fsm_calib.recording.stamps import zero_told
 from fsm_calib.recording.tag_poses import TagMap, TagRow, poses_from_tags, rows_of_message
 from fsm_calib.recording.topics import Topic, chosen, commanded, first_of, measured_pose
+from fsm_calib.recording.undirected import directed
 from fsm_calib.recording.writers import HEAD_TOPIC, TOPIC
 
 COMMAND_TOPICS = ("wheels_driver_node/wheels_cmd_executed", "wheels_driver_node/wheels_cmd", "wheels_cmd")
@@ -101,7 +102,8 @@ def _any_bag(path: Path, topics: dict[str, Topic], tag_map: TagMap | None, named
         {t.name: _since(t, start) for t in topics.values() if t.kind == "WheelEncoderStamped"}
     )
     if angles is not None and not named.wheels:
-        found["wheel_angle"] = angles
+        command = found.get("command")
+        found["wheel_angle"] = angles if command is None else directed(angles, command)
     tags = first_of(topics, "AprilTagDetectionArray")
     if "pose" not in found and tags is not None:
         findings += _add_tag_poses(found, _since(tags, start), tag_map)

@@ -2,7 +2,8 @@
 
 Per step with ways s_l, s_r [m] of the wheels: the robot moves by (s_l + s_r) / 2 along its mean heading and turns by
 (s_r - s_l) / L. From commands, a wheel's rate is the motor constant times the command (Duckietown's model): good to
-some 10 %, and blind to a push or a stalled wheel; from encoders, to some 2 %.
+some 10 %, and blind to a push or a stalled wheel; from encoders, to some 2 %. Duckietown's encoders do not know which
+way a wheel turns: see `recording.undirected`.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fsm_calib.recording.undirected import next_direction
 from fsm_calib.types import FloatArray, Pose2, WheelCalibration, WheelCommand
 
 LONGEST_STEP = 0.5
@@ -37,6 +39,7 @@ class Reckoning:
     _time: float | None = field(init=False, default=None)
     _command: WheelCommand = field(init=False, default=WheelCommand())
     _angles: dict[str, float] = field(init=False, default_factory=dict)
+    _ways: tuple[int, int] | None = field(init=False, default=None)
     has_encoders: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
@@ -50,13 +53,21 @@ class Reckoning:
             metres = self.wheels.motor_constant * self.wheels.wheel_radius * seconds
             self._move(self._command.left * metres, self._command.right * metres, now)
         self._time, self._command = now, command
+        left, right = self._ways or (1, 1)
+        self._ways = (
+            next_direction(left, command.left, command.right),
+            next_direction(right, command.right, command.left),
+        )
 
     def encoder(self, side: str, angle: float, now: float) -> None:
         """Note a wheel's angle [rad] at `now` [s]; `side` is "left" or "right"."""
         self.has_encoders = True
         before = self._angles.get(side, angle)
         self._angles[side] = angle
-        way = (angle - before) * self.wheels.wheel_radius
+        turned = angle - before
+        if self._ways is not None:
+            turned = abs(turned) * self._ways[0 if side == "left" else 1]
+        way = turned * self.wheels.wheel_radius
         if way != 0.0:
             self._move(way if side == "left" else 0.0, way if side == "right" else 0.0, now)
 

@@ -28,6 +28,11 @@ class Truth:
         return self._motion.body.twist
 
     @property
+    def wheel_angles(self) -> tuple[float, float]:
+        """How far the wheels have turned since the start, left and right [rad]: more than the way where they slip."""
+        return self._motion.body.wheel_angles
+
+    @property
     def camera(self) -> CameraModel:
         """The true lens."""
         return self._spec.robot.camera

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fsm_calib.robots.guard.pwm import floored
 from fsm_calib.robots.served.settings import ServeSettings
-from fsm_calib.types import STOP, Pose2, WheelCalibration, WheelCommand
+from fsm_calib.types import STOP, Pose2, WheelCommand
 from fsm_calib.world2d.robot import World
 
 RESOLUTION = 135
@@ -76,8 +76,8 @@ class ServedDuckiebot:
         self.last_frame = -1
         self._next_command = 0.0
         self._acting = STOP
-        self._seen_at = self.world.truth.pose
-        self._held_sign = [1.0, 1.0]
+        self._turned = self.world.truth.wheel_angles
+        self._signs = [1.0, 1.0]
         self._counts = [0.0, 0.0]
         self.is_stopped = False
         self.is_watched = True
@@ -125,9 +125,7 @@ class ServedDuckiebot:
         if self.settings.pwm_steps:
             least = self.settings.dead_zone
             acting = WheelCommand(floored(asked.left, least), floored(asked.right, least))
-        for side, value in enumerate((acting.left, acting.right)):
-            if value != 0.0:
-                self._held_sign[side] = math.copysign(1.0, value)
+        self._signs = [-1.0 if value < 0.0 else 1.0 for value in (acting.left, acting.right)]
         if acting != self._acting:
             self.world.robot.command(acting)
             self._acting = acting
@@ -173,12 +171,10 @@ class ServedDuckiebot:
         self._later(self.now + 1.0 / self.settings.tracker, self._track)
 
     def _turn_wheels(self) -> None:
-        """Count the wheels' turns since the last time; the sign is that of the last command, as Duckietown's is."""
-        before, now = self._seen_at, self.world.truth.pose
-        self._seen_at = now
-        heading = 0.5 * (before.theta + now.theta)
-        forward = (now.x - before.x) * math.cos(heading) + (now.y - before.y) * math.sin(heading)
-        turn = 0.5 * self.world.spec.robot.axle_length * (now.theta - before.theta)
-        for side, sign in enumerate((-1.0, 1.0)):
-            turns = abs(forward + sign * turn) / (2.0 * math.pi * WheelCalibration().wheel_radius)
-            self._counts[side] += self._held_sign[side] * turns * RESOLUTION
+        """Count the wheels' turns since the last time.
+
+        They are signed as Duckietown's driver does: backward below zero, else forward, whichever way they roll.
+        """
+        before, self._turned = self._turned, self.world.truth.wheel_angles
+        for side, (then, now) in enumerate(zip(before, self._turned, strict=True)):
+            self._counts[side] += self._signs[side] * abs(now - then) / math.tau * RESOLUTION
