@@ -55,7 +55,8 @@ class Findings:
 
     streak : judgements in a row that found the same names sure; names : of the last judgement. speed, turn : of the
     robot at command 1 [m/s, rad/s], learnt from moves back. spent : robot time [s]. designs : how often a drive was
-    asked for. camera : where poses of the own camera lie on the robot, x, y [m], yaw [rad], as diagnoses found it.
+    asked for. camera : where poses of the own camera lie on the robot, x, y [m], yaw [rad], and how late their stamps
+    are [s], as diagnoses found it.
     """
 
     pose: tuple[float, float, float] | None = None
@@ -69,7 +70,7 @@ class Findings:
     turn: float = NOMINAL_TURN
     designs: int = 0
     spent: float = 0.0
-    camera: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    camera: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
     def to_state(self) -> dict[str, Any]:
         """Return plain JSON values."""
@@ -209,19 +210,32 @@ def drive_plan(bench: InvestigationBench) -> Outcome:
 
 
 def _looked(bench: InvestigationBench, seconds: float) -> list[PoseRow]:
-    """Let `seconds` [s] pass and return the poses of them."""
-    end, rows = bench.robot.now() + seconds, list[PoseRow]()
-    while (left := end - bench.robot.now()) > TICK:
+    """Let `seconds` [s] pass and return the poses of them.
+
+    Where too few came, a camera whose frames come late is given up to `blind` [s].
+    """
+    begin, rows = bench.robot.now(), list[PoseRow]()
+    while (left := begin + seconds - bench.robot.now()) > TICK:
         bench.robot.wait(min(left, bench.asked.look_every))
+        rows += bench.seen()
+    while 0 < len(rows) < FEWEST and bench.robot.now() < begin + bench.asked.blind:
+        bench.robot.wait(bench.asked.look_every)
         rows += bench.seen()
     return rows
 
 
 def _watched(bench: InvestigationBench, made: Field, seconds: float) -> str:
-    """Let `seconds` [s] pass with an eye on the tracker; return why they ended early, empty when not."""
-    end, asked = bench.robot.now() + seconds, bench.asked
+    """Let `seconds` [s] pass with an eye on the tracker; return why they ended early, empty when not.
+
+    A look that took as long as the pause between two needs none.
+    """
+    begin, asked = bench.robot.now(), bench.asked
+    end, looked = begin + seconds, begin
     while (left := end - bench.robot.now()) > TICK:
-        bench.robot.wait(min(left, asked.look_every))
+        pause = min(left, looked + asked.look_every - bench.robot.now())
+        if pause > TICK:
+            bench.robot.wait(pause)
+        looked = bench.robot.now()
         made.poses += bench.seen()
         last = made.poses[-1][0] if made.poses else made.commands[0][0]
         if bench.robot.now() - last > asked.blind:

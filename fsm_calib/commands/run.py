@@ -188,6 +188,7 @@ def summary(result: dict[str, Any], directory: Path) -> str:
         )
     if lane:
         lines.append(f"in the lane  {_lane_change(lane)}")
+        lines += [f"             {lane['doubt']['sentence']}"] if "doubt" in lane else []
     lines.append(f"time         {seconds['simulated']:.1f} s simulated in {seconds['wall']:.1f} s")
     total = sum(seconds["by_part"].values()) or 1.0
     parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in seconds["by_part"].items())

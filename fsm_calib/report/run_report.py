@@ -82,6 +82,8 @@ def cards(result: Mapping[str, Any]) -> list[Card]:
     if lane.get("deviation_after_m") is not None:
         remark = f"before the lane {100 * lane['deviation_before_m']:+.1f} cm"
         found.append(Card("after 2 m, refined", f"{100 * lane['deviation_after_m']:+.1f} cm", remark))
+    if "doubt" in lane:
+        found.append(Card("k in the lane", "differs", lane["doubt"]["sentence"], good=False))
     seconds = result["seconds"]
     remark = f"computed in {seconds['wall']:.1f} s"
     return [*found, Card("robot time", f"{seconds['simulated']:.0f} s", remark)]

@@ -45,7 +45,8 @@ class GuardedRobot(ABC):
         self._began, self._time = time.monotonic(), 0.0
         self._frames, self._main, self._closed = 0, time.monotonic(), False
         self._waiting, self._first_frame = False, -1
-        self.camera = StampedCamera(self.now, decode)
+        self._step_end = 0.0
+        self.camera = StampedCamera(self._arrival, decode)
         try:
             self._join()
             self.guard = GuardClient(setup, self._zero)
@@ -81,6 +82,10 @@ class GuardedRobot(ABC):
         """Return the time since the connection [s]; in lockstep the served robot's."""
         return self._time if self._setup.lockstep else time.monotonic() - self._began
 
+    def _arrival(self) -> float:
+        """Return the time at which a frame arrives now [s]; in lockstep the end of the present step, not its begin."""
+        return self._step_end if self._setup.lockstep else self.now()
+
     def command(self, command: WheelCommand) -> None:
         """Hold a command until the next one."""
         self._main = time.monotonic()
@@ -90,6 +95,7 @@ class GuardedRobot(ABC):
         """Apply a command for `duration` [s]; the guard times it and sends the zero."""
         lockstep = self._setup.lockstep
         spare = LOCKSTEP_SPARE if lockstep else SPARE
+        self._step_end = self._time + duration
         with self._alive():
             self.guard.ask("run", command.left, command.right, duration, timeout=duration + spare)
         self._learn_time()
@@ -104,6 +110,7 @@ class GuardedRobot(ABC):
 
     def _wait(self, duration: float, look: bool) -> None:
         """Let the served robot's time pass."""
+        self._step_end = self._time + duration
         self.guard.ask("wait", duration, look, timeout=LOCKSTEP_SPARE)
         self._learn_time()
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fsm_calib.errors import RobotLost
-from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME, PREVIOUS_NAME
+from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME, PREVIOUS_NAME, plain
 from fsm_calib.machines.calibration import CALIBRATION
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.opencv_time import watched
@@ -112,6 +112,8 @@ def _run_held(
             result = result_of(session, 0.0, {})
             if session.world is None:
                 result["stored"] = stored
+            if result["in_lane"]:
+                result["in_lane"] |= _doubt(session, directory)
             files.write_calibrations(directory, session)
             if scenario.output.recording:
                 write_drive(directory, session)
@@ -120,6 +122,14 @@ def _run_held(
     result |= _seconds(session, parts, began)
     files.write_result(directory, result)
     return Finished(directory, session, result)
+
+
+def _doubt(session: Session, directory: Path) -> dict[str, Any]:
+    """Return what the lane's drives leave open, for result.json; empty where that is nothing."""
+    from fsm_calib.runner.lane_doubt import lane_doubt  # brings the diagnosis, which no other phase needs
+
+    found = lane_doubt(session, directory)
+    return {} if found is None else {"doubt": plain(found.as_json())}
 
 
 def store_on_robot(session: Session) -> list[str]:

@@ -24,10 +24,12 @@ from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.scene import SceneSpec
 from fsm_calib.world2d.surfaces import field_markers
 
-MOST_OFFSET, MOST_YAW = (
-    0.01,
-    0.03,
-)  # m, rad: by so much a calibrated camera may sit elsewhere than it is known to
+Seat = tuple[float, float, float, float]
+"""Where poses lie on the robot, x, y [m], yaw [rad], and by how much their stamps are late [s]."""
+MOST_OFFSET, MOST_YAW = 0.01, 0.03
+"""By so much a calibrated camera may sit elsewhere than it is known to [m, rad]."""
+MOST_LATE = 0.2
+"""By so much a frame's time may be off [s]: a robot on a network stamps it late, and its link dates it back."""
 VIEW_CELL, VIEW_REACH = (
     0.02,
     0.6,
@@ -78,9 +80,7 @@ def with_sight(area: Area, bench: Bench, scene: SceneSpec, asked: InvestigateSet
     return replace(area, sight=sight)
 
 
-def corrected(
-    drives: Sequence[Field], scene: SceneSpec, camera: tuple[float, float, float]
-) -> list[list[PoseRow]]:
+def corrected(drives: Sequence[Field], scene: SceneSpec, camera: Seat) -> list[list[PoseRow]]:
     """Return the poses of drives by a map that all of them tell together, and with where the camera sits by them.
 
     How tags were laid and how the camera is mounted, known to 3 mm and half a degree, are no physics of the robot.
@@ -96,26 +96,26 @@ def corrected(
     return [_seen_from(moved_to_axle(r, ahead, yaw), camera) for r in rows]
 
 
-def camera_found(fit: Fit) -> tuple[float, float, float]:
-    """Return where a fitted explanation has the poses on the robot, x, y [m], yaw [rad]; zeros where it has them right.
+def camera_found(fit: Fit) -> Seat:
+    """Return where a fitted explanation has the poses on the robot, and how late; zeros where it has them right.
 
-    Only what a mount may be off is taken: more is the robot's or the floor's.
+    Only what a mount and a clock may be off is taken: more is the robot's or the floor's.
     """
     table = parameter_table()
-    names = ("sensor_offset.x", "sensor_offset.y", "sensor_yaw.yaw")
-    x, y, yaw = (float(fit.values[0, table.place(name)]) for name in names)
+    names = ("sensor_offset.x", "sensor_offset.y", "sensor_yaw.yaw", "observation_delay.delay")
+    x, y, yaw, late = (float(fit.values[0, table.place(name)]) for name in names)
     if math.hypot(x, y) > MOST_OFFSET or abs(yaw) > MOST_YAW:
-        return 0.0, 0.0, 0.0
-    return x, y, yaw
+        x = y = yaw = 0.0
+    return x, y, yaw, late if abs(late) <= MOST_LATE else 0.0
 
 
-def _seen_from(rows: Sequence[PoseRow], camera: tuple[float, float, float]) -> list[PoseRow]:
-    """Return the poses of the axle's centre of poses that lie at `camera` on the robot."""
-    x, y, yaw = camera
+def _seen_from(rows: Sequence[PoseRow], camera: Seat) -> list[PoseRow]:
+    """Return the poses of the axle's centre, when they were true, of poses that the camera tells from its seat."""
+    x, y, yaw, late = camera
     out = []
     for time, px, py, theta in rows:
         base = Pose2(px, py, theta - yaw).then(Pose2(-x, -y))
-        out.append((time, base.x, base.y, theta - yaw))
+        out.append((time - late, base.x, base.y, theta - yaw))
     return out
 
 

@@ -120,17 +120,17 @@ class Mind:
         return Outcome("answer_judged", evidence, _judged(names, evidence))
 
     def _learn_camera(self, bench: InvestigationBench) -> bool:
-        """Take a camera that is found to sit a little elsewhere as known from now on; return whether it was.
+        """Take where a camera is found to sit, and how late it is, as known from now on; return whether anything was.
 
-        It is a number of the calibration, whose errors a drive over markers sees, and no physics of the robot.
+        These are numbers of the calibration and of the link, whose errors a drive over markers sees, and no physics.
         """
         if self.scene is None or self.diagnosis is None:
             return False
         found = camera_found(self.diagnosis.decision.model.fit)
         if not any(found):
             return False
-        known = bench.findings.camera
-        bench.findings.camera = (known[0] + found[0], known[1] + found[1], known[2] + found[2])
+        x, y, yaw, late = bench.findings.camera
+        bench.findings.camera = (x + found[0], y + found[1], yaw + found[2], late + found[3])
         self._known = -1
         return True
 
