@@ -190,6 +190,7 @@ def calibrate_camera(
     from fsm_calib.perception.intrinsics import calibrate
     from fsm_calib.perception.photo_sources import photo_files
     from fsm_calib.perception.photos import find_in_photos
+    from fsm_calib.perception.solve_settings import ANY_CAMERA
 
     named = next((one for one in KINDS if one == kind), None)
     if named is None:
@@ -198,7 +199,7 @@ def calibrate_camera(
     finder = None if named == "chessboard" else asked.finder()
     files = photo_files([Path(photo) for photo in photos])
     found = find_in_photos(files, asked.spec(), finder=finder)
-    result = calibrate(found.views, asked.spec(), found.image_size, may_be_bent=True)
+    result = calibrate(found.views, asked.spec(), found.image_size, may_be_bent=True, settings=ANY_CAMERA)
     told = (
         ("lens model", result.camera.model),
         ("on views left out", f"{result.cross_validated_px:.3f} px"),

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
-LensModel = Literal["plumb_bob", "rational_polynomial"]
+LensModel = Literal["plumb_bob", "rational_polynomial", "equidistant"]
 
 
 def wrap_angle(angle: float) -> float:
@@ -108,7 +108,8 @@ class CameraModel:
     """Intrinsics of one camera.
 
     matrix : array, shape (3, 3), [px]; distortion : array, shape (5,) k1 k2 p1 p2 k3 for `plumb_bob`,
-    shape (8,) k1 k2 p1 p2 k3 k4 k5 k6 for `rational_polynomial`; width, height [px].
+    shape (8,) k1 k2 p1 p2 k3 k4 k5 k6 for `rational_polynomial`, shape (4,) k1 k2 k3 k4 for the `equidistant` lens of
+    a fisheye (`cv2.fisheye`); width, height [px].
     """
 
     matrix: FloatArray

@@ -123,7 +123,7 @@ def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str
     for trial in result.models:
         errors = f"{trial.rms_px:.3f} rms, {trial.cross_validated_px:.3f} left out,"
         errors += f" {trial.predicted_px:.2f} predicted"
-        lines.append(f"{trial.coefficients} coefficients      {errors}: {trial.verdict}")
+        lines.append(f"{trial.name:20s} {errors}: {trial.verdict}")
     if result.board_warp is not None:
         warp = result.board_warp
         lines.append(

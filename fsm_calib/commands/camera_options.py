@@ -44,17 +44,17 @@ def compare_cameras(first: Path, second: Path) -> None:
 
 
 def solve_settings(coefficients: int | None) -> SolveSettings:
-    """Return the settings of the fit; with `coefficients` of that size alone.
+    """Return the settings of the fit of any camera's photos; with `coefficients` the lens of that size alone.
 
     Raises
     ------
     InputError
         A size that there is not.
     """
-    from fsm_calib.perception.solve_settings import DEFAULT_SOLVE
+    from fsm_calib.perception.solve_settings import ANY_CAMERA, DEFAULT_SOLVE
 
     if coefficients is None:
-        return DEFAULT_SOLVE
+        return ANY_CAMERA
     if coefficients not in DEFAULT_SOLVE.coefficients:
         raise InputError(f"{coefficients} coefficients", where="--coefficients", cure="Give 4, 5 or 8.")
     return replace(DEFAULT_SOLVE, coefficients=(coefficients,))

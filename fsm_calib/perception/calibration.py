@@ -8,7 +8,7 @@ import numpy as np
 
 from fsm_calib.perception.board_warp import BoardWarp
 from fsm_calib.perception.coverage import Coverage
-from fsm_calib.perception.lens import INTRINSICS
+from fsm_calib.perception.lens import intrinsics_vector, names_of
 from fsm_calib.perception.prediction import ImageError
 from fsm_calib.types import CameraModel, CameraMount, FloatArray
 
@@ -29,12 +29,13 @@ class DroppedView:
 class ModelTrial:
     """One lens model that was tried.
 
-    coefficients : 4, 5 or 8 distortion coefficients; rms_px : root mean square corner distance of the fit
-    [px];
-    cross_validated_px : the same on views that the fit had not seen [px]; predicted_px : predicted error over
-    the image [px]; is_sane : one ray per pixel; verdict : why it was kept or not.
+    name : what a person calls it; coefficients : 4, 5 or 8 distortion coefficients, 4 of the equidistant lens;
+    rms_px : root mean square corner distance of the fit [px]; cross_validated_px : the same on views that the fit had
+    not seen [px]; predicted_px : predicted error over the image [px]; is_sane : one ray per pixel; verdict : why it was
+    kept or not.
     """
 
+    name: str
     coefficients: int
     rms_px: float
     cross_validated_px: float
@@ -66,8 +67,8 @@ class CameraCalibration:
         [px].
     noise_px : float
         Estimated noise of one corner coordinate [px].
-    covariance : array, shape (12, 12)
-        Of the intrinsics in the order of `lens.INTRINSICS`; zero rows for those that were held.
+    covariance : array, shape (12, 12), or (8, 8) of an equidistant lens
+        Of the intrinsics in the order of `lens.names_of`; zero rows for those that were held.
     views_used : int
     views_per_board : tuple of int
         How many of them show board 0, 1, ...
@@ -130,7 +131,8 @@ class CameraCalibration:
     def parameter_deviation(self) -> dict[str, float]:
         """Standard deviation of every freed intrinsic, by name ([px] for fx, fy, cx, cy, else [1])."""
         deviation = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
-        return {name: float(value) for name, value in zip(INTRINSICS, deviation, strict=True) if value > 0.0}
+        names = names_of(intrinsics_vector(self.camera))
+        return {name: float(value) for name, value in zip(names, deviation, strict=True) if value > 0.0}
 
 
 @dataclass(frozen=True, slots=True)

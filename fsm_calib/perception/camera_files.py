@@ -25,7 +25,7 @@ from fsm_calib.types import CameraModel, FloatArray, LensModel, is_finite_number
 
 _LARGEST_SIDE = 100_000  # pixels
 _LARGEST_FILE = 1_000_000  # bytes; a camera file has about a thousand
-_COEFFICIENTS: dict[LensModel, int] = {"plumb_bob": 5, "rational_polynomial": 8}
+_COEFFICIENTS: dict[LensModel, int] = {"plumb_bob": 5, "rational_polynomial": 8, "equidistant": 4}
 
 
 def intrinsic_text(camera: CameraModel, name: str, comments: str = "") -> str:
@@ -67,7 +67,7 @@ def read_intrinsics(path: Path) -> CameraModel:
         raise InputError(
             f"unknown distortion_model {_brief(model)}",
             where=str(path),
-            cure="Known: plumb_bob, rational_polynomial.",
+            cure="Known: plumb_bob, rational_polynomial, equidistant.",
         )
     distortion = _numbers(data, "distortion_coefficients", path)
     if distortion.size not in (4, _COEFFICIENTS[model]):
@@ -158,6 +158,7 @@ def calibration_json(calibration: CameraCalibration) -> dict[str, Any]:
         "coverage": {name: getattr(calibration.coverage, name) for name in ("x", "y", "size", "skew")},
         "models": [
             {
+                "name": trial.name,
                 "coefficients": trial.coefficients,
                 "rms_px": trial.rms_px,
                 "cross_validated_px": _finite(trial.cross_validated_px),

@@ -13,10 +13,13 @@ from fsm_calib.types import CameraModel, FloatArray
 
 
 def opencv_text(camera: CameraModel, name: str, comments: str = "") -> str:
-    """Return the camera as `cv2.FileStorage` reads it, with the names of OpenCV's calibration sample."""
+    """Return the camera as `cv2.FileStorage` reads it, with the names of OpenCV's calibration sample, whose
+    `fisheye_model` says that the coefficients are those of `cv2.fisheye`.
+    """
     lines = ["%YAML:1.0", "---", *(f"# {line}" for line in comments.splitlines())]
     lines += [f"camera_name: {name}", f"image_width: {camera.width}", f"image_height: {camera.height}"]
     lines += _opencv_matrix("camera_matrix", camera.matrix)
+    lines += ["fisheye_model: 1"] if camera.model == "equidistant" else []
     lines += _opencv_matrix("distortion_coefficients", camera.distortion[:, None])
     return "\n".join(lines) + "\n"
 
@@ -29,13 +32,15 @@ def _opencv_matrix(name: str, values: FloatArray) -> list[str]:
 
 
 def kalibr_text(camera: CameraModel, name: str, comments: str = "") -> str:
-    """Return the camera as a Kalibr camchain: pinhole with radtan distortion, which has k1, k2, p1 and p2.
+    """Return the camera as a Kalibr camchain: pinhole with radtan distortion, which has k1, k2, p1 and p2, or with
+    equidistant.
 
     Raises
     ------
     DataError
         The camera has more coefficients than radtan.
     """
+    is_fisheye = camera.model == "equidistant"
     if np.any(camera.distortion[4:]):
         raise DataError(
             "Kalibr's radtan has k1, k2, p1 and p2; this camera has more coefficients",
@@ -51,7 +56,7 @@ def kalibr_text(camera: CameraModel, name: str, comments: str = "") -> str:
                 float(matrix[0, 2]),
                 float(matrix[1, 2]),
             ],
-            "distortion_model": "radtan",
+            "distortion_model": "equidistant" if is_fisheye else "radtan",
             "distortion_coeffs": [float(value) for value in camera.distortion[:4]],
             "resolution": [camera.width, camera.height],
             "rostopic": f"/{name}/image_raw",

@@ -192,7 +192,13 @@ def rectified_matrix(camera: CameraModel) -> FloatArray:
     """Return the camera matrix (3, 3) [px] of the rectified image that shows no black border (ROS's alpha
     0).
     """
-    matrix, _ = cv2.getOptimalNewCameraMatrix(
-        camera.matrix, camera.distortion, (camera.width, camera.height), 0.0, (camera.width, camera.height)
-    )
+    size = (camera.width, camera.height)
+    if camera.model == "equidistant":
+        return np.asarray(
+            cv2.fisheye.estimateNewCameraMatrixForUndistortRectify(
+                camera.matrix, camera.distortion, size, np.eye(3)
+            ),
+            dtype=float,
+        )
+    matrix, _ = cv2.getOptimalNewCameraMatrix(camera.matrix, camera.distortion, size, 0.0, size)
     return np.asarray(matrix, dtype=float)

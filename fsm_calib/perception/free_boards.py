@@ -21,7 +21,7 @@ from fsm_calib.types import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class BoardPoses:
-    """Intrinsics (12,), see `lens`, and the boards' poses in the camera: rotation (views, 3, 3), shift
+    """Intrinsics (12,) or (8,), see `lens`, and the boards' poses in the camera: rotation (views, 3, 3), shift
     (views, 3) [m].
     """
 
@@ -71,23 +71,23 @@ class FreeBoards:
         return self._off(predicted)
 
     def linearize(self, state: BoardPoses) -> Linearized:
-        """Return residuals and derivatives: 12 shared unknowns, 6 local ones per view."""
+        """Return residuals and derivatives: the intrinsics as shared unknowns, 6 local ones per view."""
         points = state.points_camera(self.points_board)
         predicted, by_point, by_intrinsics = project_with_derivatives(state.intrinsics, points)
         views = len(points)
         return Linearized(
             residual=self._off(predicted),
-            shared=by_intrinsics.reshape(views, -1, 12),
+            shared=by_intrinsics.reshape(views, -1, state.intrinsics.size),
             local=by_pose(points, by_point),
             block=np.arange(views),
         )
 
     def shared(self, state: BoardPoses) -> FloatArray:
-        """Return the 12 intrinsics."""
+        """Return the intrinsics."""
         return state.intrinsics
 
     def moved(self, state: BoardPoses, shared: FloatArray, local: FloatArray) -> BoardPoses:
-        """Return the state after a step: shared (12,), local (views, 6)."""
+        """Return the state after a step: shared (s,), local (views, 6)."""
         turn = rotation_from_vector(local[:, :3])
         shift = np.einsum("vij,vj->vi", turn, state.shift) + local[:, 3:]
         return BoardPoses(state.intrinsics + shared, turn @ state.rotation, shift)

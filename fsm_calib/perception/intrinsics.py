@@ -1,8 +1,9 @@
 """Solve for a camera from chessboard views, and say how good the answer is.
 
 The order of work: start from the fleet's median (or the caller's guess), leave out corners and views that do
-not belong, fit 4, 5 and 8 distortion coefficients each from the last, choose by views left out, predict the
-error over the image from the covariance, and refuse what no camera can be.
+not belong, fit 4, 5 and 8 distortion coefficients each from the last, and for photos of any camera the equidistant
+lens of a fisheye as well, choose by views left out, predict the error over the image from the covariance, and refuse
+what no camera can be.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from fsm_calib.perception.board_warp import BoardWarp, warp_step, warped
 from fsm_calib.perception.bundle import fit
 from fsm_calib.perception.calibration import CameraCalibration, DroppedView, ModelTrial, fit_figures
 from fsm_calib.perception.coverage import coverage
+from fsm_calib.perception.fisheye import fit_equidistant
 from fsm_calib.perception.fleet_camera import fleet_start, why_not_a_duckiebot
 from fsm_calib.perception.free_boards import BoardPoses, FreeBoards, fitted_poses
 from fsm_calib.perception.lens import camera_model, intrinsics_vector
@@ -33,6 +35,7 @@ from fsm_calib.perception.stages import (
     held_intrinsics,
     is_better,
     light_prior,
+    prior_of,
 )
 from fsm_calib.types import BoardSpec, BoardView, CameraModel, FloatArray
 
@@ -107,6 +110,9 @@ def _chosen(
         evaluated(problem, fitted, kept, own, image_size, settings)
         for fitted in fit_stages(problem, start, kept, settings)
     ]
+    if settings.fisheye:
+        fisheye = fit_equidistant(problem, stages[-1].solution.state, kept, image_size, settings)
+        stages.append(evaluated(problem, (4, fisheye), kept, own, image_size, settings))
     return choose(stages, image_size, settings)
 
 
@@ -115,7 +121,7 @@ def _bent(
     image_size: tuple[int, int], settings: SolveSettings,
 ) -> tuple[BoardWarp, Stage, list[ModelTrial]]:  # fmt: skip
     """Return the board's bend, and the model chosen with it."""
-    held, prior = held_intrinsics(flat.coefficients), light_prior(settings.light_prior)
+    held, prior = flat.held, prior_of(flat.solution.state.intrinsics, settings)
     sizes, solution, now = np.zeros(2), flat.solution, problem
     for _ in range(_WARP_ROUNDS):
         sizes = sizes + warp_step(now, solution, held)

@@ -1,7 +1,8 @@
 """The lens: projection with derivatives, its inverse, and whether it folds inside the image.
 
-One vector of 12 intrinsics serves both models: fx, fy, cx, cy [px], k1, k2, p1, p2, k3, k4, k5, k6 [1] (the
-last three zero for plumb_bob). With x = X/Z, y = Y/Z, r2 = x^2 + y^2::
+One vector of 12 intrinsics serves plumb_bob and rational_polynomial: fx, fy, cx, cy [px], k1, k2, p1, p2, k3, k4, k5,
+k6 [1] (the last three zero for plumb_bob); one of 8 is an equidistant lens (`equidistant`), whose factor c is another
+and which has no p1, p2. With x = X/Z, y = Y/Z, r2 = x^2 + y^2::
 
     c  = (1 + k1 r2 + k2 r2^2 + k3 r2^3) / (1 + k4 r2 + k5 r2^2 + k6 r2^3)
     u  = fx (c x + 2 p1 x y + p2 (r2 + 2 x^2)) + cx
@@ -17,6 +18,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from fsm_calib.perception import equidistant
 from fsm_calib.types import CameraModel, FloatArray
 
 INTRINSICS = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
@@ -30,19 +32,31 @@ _RADIUS_STEPS = 4000  # samples of the radial curve up to _WIDEST_RADIUS, 0.005 
 
 
 def intrinsics_vector(camera: CameraModel) -> FloatArray:
-    """Return the 12 intrinsics of `camera`, zeros where its model has none."""
-    vector = np.zeros(12)
+    """Return the intrinsics of `camera`: 8 of an equidistant lens, else 12, zeros where its model has none."""
+    vector = np.zeros(equidistant.SIZE if camera.model == "equidistant" else 12)
     vector[:4] = camera.matrix[0, 0], camera.matrix[1, 1], camera.matrix[0, 2], camera.matrix[1, 2]
     vector[4 : 4 + camera.distortion.size] = camera.distortion
     return vector
 
 
 def camera_model(vector: FloatArray, image_size: tuple[int, int]) -> CameraModel:
-    """Return the camera with 12 intrinsics `vector` and `image_size` (width, height) [px]."""
+    """Return the camera with 12 or 8 intrinsics `vector` and `image_size` (width, height) [px]."""
     matrix = np.array([[vector[0], 0.0, vector[2]], [0.0, vector[1], vector[3]], [0.0, 0.0, 1.0]])
+    if is_equidistant(vector):
+        return CameraModel(matrix, vector[4:8], *image_size, "equidistant")
     if np.any(vector[9:] != 0.0):
         return CameraModel(matrix, vector[4:12], *image_size, "rational_polynomial")
     return CameraModel(matrix, vector[4:9], *image_size, "plumb_bob")
+
+
+def is_equidistant(vector: FloatArray) -> bool:
+    """Return whether intrinsics are those of an equidistant lens."""
+    return vector.size == equidistant.SIZE
+
+
+def names_of(vector: FloatArray) -> tuple[str, ...]:
+    """Return the names of intrinsics in their order."""
+    return equidistant.INTRINSICS if is_equidistant(vector) else INTRINSICS
 
 
 def radial_factor(vector: FloatArray, r2: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -54,7 +68,9 @@ def radial_factor(vector: FloatArray, r2: FloatArray) -> tuple[FloatArray, Float
 
 
 def _factor(vector: FloatArray, r2: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the factor c and its denominator."""
+    """Return the factor c and its denominator (1 for an equidistant lens)."""
+    if is_equidistant(vector):
+        return equidistant.factor(vector, r2), np.ones_like(r2)
     k1, k2, _, _, k3, k4, k5, k6 = vector[4:12].tolist()
     above = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
     below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))
@@ -63,6 +79,8 @@ def _factor(vector: FloatArray, r2: FloatArray) -> tuple[FloatArray, FloatArray]
 
 def _slope(vector: FloatArray, r2: FloatArray, factor: FloatArray, below: FloatArray) -> FloatArray:
     """Return dc/dr2."""
+    if is_equidistant(vector):
+        return equidistant.slope(vector, r2)
     k1, k2, _, _, k3, k4, k5, k6 = vector[4:12].tolist()
     slope = k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3) - factor * (k4 + r2 * (2.0 * k5 + 3.0 * r2 * k6))
     return np.asarray(slope / below)
@@ -73,11 +91,16 @@ def distort(vector: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArra
     return _distorted(vector, x, y, _factor(vector, x * x + y * y)[0])
 
 
+def _tangential(vector: FloatArray) -> tuple[float, float]:
+    """Return p1, p2; an equidistant lens has none."""
+    return (0.0, 0.0) if is_equidistant(vector) else (float(vector[6]), float(vector[7]))
+
+
 def _distorted(
     vector: FloatArray, x: FloatArray, y: FloatArray, factor: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return distorted x, y [1] of rays whose radial factor is known."""
-    p1, p2 = vector[6:8].tolist()
+    p1, p2 = _tangential(vector)
     distorted_x = factor * x + 2.0 * p1 * x * y + p2 * (3.0 * x * x + y * y)
     distorted_y = factor * y + p1 * (x * x + 3.0 * y * y) + 2.0 * p2 * x * y
     return distorted_x, distorted_y
@@ -87,7 +110,7 @@ def _by_ray(
     vector: FloatArray, x: FloatArray, y: FloatArray, factor: FloatArray, slope: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the derivative of distorted (x, y) by (x, y), which is symmetric: by x of x, of y, and by y of y."""
-    p1, p2 = vector[6:8].tolist()
+    p1, p2 = _tangential(vector)
     first = factor + 2.0 * slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x
     cross = 2.0 * (slope * x * y + p1 * x + p2 * y)
     second = factor + 2.0 * slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x
@@ -111,7 +134,7 @@ def project_with_derivatives(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return image points [px] and their derivatives by the point and by the intrinsics.
 
-    Shapes: points_camera (..., 3) [m] -> (..., 2) [px], (..., 2, 3) [px/m], (..., 2, 12) [px per unit].
+    Shapes: points_camera (..., 3) [m] -> (..., 2) [px], (..., 2, 3) [px/m], (..., 2, 12 or 8) [px per unit].
     """
     x, y, depth = _perspective(points_camera)
     factor, slope, _ = radial_factor(vector, x * x + y * y)
@@ -133,10 +156,14 @@ def _by_intrinsics(
     vector: FloatArray, x: FloatArray, y: FloatArray, distorted_x: FloatArray, distorted_y: FloatArray
 ) -> FloatArray:
     r2 = x * x + y * y
-    factor, below = _factor(vector, r2)
-    result = np.zeros((*x.shape, 2, 12))
+    result = np.zeros((*x.shape, 2, vector.size))
     result[..., 0, 0], result[..., 1, 1] = distorted_x, distorted_y
     result[..., 0, 2] = result[..., 1, 3] = 1.0
+    if is_equidistant(vector):
+        ways = np.stack([vector[0] * x, vector[1] * y], axis=-1)
+        result[..., 4:8] = ways[..., None] * equidistant.by_coefficients(r2)[..., None, :]
+        return result
+    factor, below = _factor(vector, r2)
     above_terms = np.stack([r2, r2**2, r2**3], axis=-1) / below[..., None]
     below_terms = -above_terms * factor[..., None]
     for row, (focal, ray) in enumerate(((vector[0], x), (vector[1], y))):
@@ -215,4 +242,4 @@ def is_sane_over_image(vector: FloatArray, image_size: tuple[int, int]) -> bool:
     corners = np.array([[0, 0], [width - 1, 0], [0, height - 1], [width - 1, height - 1]], dtype=float)
     farthest = float(np.max(np.linalg.norm((corners - vector[2:4]) / vector[:2], axis=1)))
     _, curve = _radial_curve(vector)
-    return bool(curve[-1] >= farthest) and bool(np.all(np.abs(vector[6:8]) < 0.2))
+    return bool(curve[-1] >= farthest) and max(map(abs, _tangential(vector))) < 0.2

@@ -63,18 +63,18 @@ def _directions(intrinsics: FloatArray, image_size: tuple[int, int]) -> FloatArr
 
 
 def sensitivity(intrinsics: FloatArray, image_size: tuple[int, int]) -> FloatArray:
-    """Return A, shape (950, 12) [px per unit]: motion of the grid by the intrinsics, rotation removed."""
+    """Return A, shape (950, s) [px per unit]: motion of the grid by the intrinsics, rotation removed."""
     points = _directions(intrinsics, image_size)
     _, by_point, by_intrinsics = project_with_derivatives(intrinsics, points)
     by_rotation = (-by_point @ skew(points)).reshape(-1, 3)
-    motion = by_intrinsics.reshape(-1, 12)
+    motion = by_intrinsics.reshape(-1, intrinsics.size)
     basis, _ = np.linalg.qr(by_rotation)
     return motion - basis @ (basis.T @ motion)
 
 
 def predicted_error(motion: FloatArray, covariance: FloatArray) -> ImageError:
-    """Return the predicted error over the image from `sensitivity` (950, 12) and the intrinsics'
-    covariance (12, 12).
+    """Return the predicted error over the image from `sensitivity` (950, s) and the intrinsics'
+    covariance (s, s).
     """
     variance = np.einsum("ij,jk,ik->i", motion, covariance, motion)
     return ImageError(np.sqrt(np.maximum(variance.reshape(-1, 2).sum(axis=1), 0.0)).reshape(GRID[::-1]))

@@ -34,6 +34,8 @@ class SolveSettings:
         and keeps the lens from folding where they do not (mrcal calls it light regularization).
     largest_error_of_width : float
         A cross-validated or predicted error beyond this share of the image's width is refused [1].
+    fisheye : bool
+        Whether the equidistant lens of a fisheye is tried, too: for photos of any camera. A Duckiebot's is none.
     """
 
     coefficients: tuple[int, ...] = (4, 5, 8)
@@ -47,6 +49,9 @@ class SolveSettings:
     smallest_outlier_px: float = 0.5
     light_prior: float = 0.1
     largest_error_of_width: float = 0.02
+    fisheye: bool = False
 
 
 DEFAULT_SOLVE = SolveSettings()
+ANY_CAMERA = SolveSettings(fisheye=True)
+"""For photos of a camera of which nothing is known."""

@@ -16,6 +16,10 @@ def undistorted(image: NDArray[np.uint8], camera: CameraModel, alpha: float = 1.
     words).
     """
     size = (camera.width, camera.height)
+    if camera.model == "equidistant":
+        args = (camera.matrix, camera.distortion)
+        wide = cv2.fisheye.estimateNewCameraMatrixForUndistortRectify(*args, size, np.eye(3), balance=alpha)
+        return np.asarray(cv2.fisheye.undistortImage(image, *args, None, wide), dtype=np.uint8)
     matrix, _ = cv2.getOptimalNewCameraMatrix(camera.matrix, camera.distortion, size, alpha, size)
     return np.asarray(cv2.undistort(image, camera.matrix, camera.distortion, None, matrix), dtype=np.uint8)
 

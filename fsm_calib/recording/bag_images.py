@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -70,9 +70,9 @@ def camera_of(message: Any) -> CameraModel:
     """Return the camera of a CameraInfo of ROS 1 (fields K, D) or ROS 2 (k, d)."""
     matrix = message.K if hasattr(message, "K") else message.k
     distortion = np.asarray(message.D if hasattr(message, "D") else message.d, dtype=float)
-    known = message.distortion_model == "rational_polynomial"
-    model: LensModel = "rational_polynomial" if known else "plumb_bob"
-    count = 8 if model == "rational_polynomial" else 5
+    known = get_args(LensModel)
+    model: LensModel = message.distortion_model if message.distortion_model in known else "plumb_bob"
+    count = {"rational_polynomial": 8, "equidistant": 4}.get(model, 5)
     full = np.zeros(count)
     full[: min(count, len(distortion))] = distortion[:count]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.perception.information import weakest_region
-from fsm_calib.perception.lens import INTRINSICS, intrinsics_vector
+from fsm_calib.perception.lens import intrinsics_vector, names_of
 
 _GOOD_PX = 0.6  # predicted error of 30 careful hand-held views (parity), at 0.2 px of corner noise
 
@@ -42,7 +42,7 @@ def parameter_rows(calibration: CameraCalibration) -> list[tuple[str, str, str]]
     """Return (name, value, standard deviation) of each intrinsic that the model has."""
     vector, deviation = intrinsics_vector(calibration.camera), calibration.parameter_deviation
     rows = []
-    for name, value in zip(INTRINSICS, vector, strict=True):
+    for name, value in zip(names_of(vector), vector, strict=True):
         digits = 2 if name in ("fx", "fy", "cx", "cy") else 5
         if name in deviation:
             rows.append((name, f"{value:.{digits}f}", f"{deviation[name]:.{digits}f}"))
