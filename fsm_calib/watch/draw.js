@@ -11,7 +11,7 @@ function make(name, attributes, text) {
 }
 
 function cssColour(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  return `var(${name})`;  // by name, so that day and night recolour what is drawn already
 }
 
 // ---- the plan: what lies in the area, the path in the colours of the phases, the robot

@@ -72,7 +72,7 @@ function showPicture(time) {
   let picture = null;
   for (const one of page.pictures) if (one.time <= time + 1e-6) picture = one;
   const svg = byId("camera");
-  if (!picture) { svg.replaceChildren(); return; }
+  if (!picture) { svg.replaceChildren(); byId("picture-says").textContent = "No frame was kept so far."; return; }
   byId("picture-time").textContent = `${picture.time.toFixed(1)} s · ${picture.path}`;
   byId("picture-says").textContent = picture.sentence;
   if (svg.dataset.file === picture.file) return;
