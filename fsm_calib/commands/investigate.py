@@ -17,7 +17,7 @@ from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.errors import shown_lines
 
 if TYPE_CHECKING:
-    from fsm_calib.runner.investigation.run import Investigation
+    from fsm_calib.runner.investigation.session import Investigation
     from fsm_calib.runner.progress import Observer
     from fsm_calib.scenario.models import Scenario
 

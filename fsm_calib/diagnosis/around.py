@@ -20,9 +20,14 @@ import numpy as np
 from fsm_calib.diagnosis.against import Against
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.own_simulator import OwnSimulator, driven, poses_at
-from fsm_calib.diagnosis.proof.heldout import HorizonError, median_error, median_floor
 from fsm_calib.diagnosis.proof.transfer import on_new_recording
-from fsm_calib.diagnosis.proof.windows import Windows, prediction_windows
+from fsm_calib.diagnosis.proof.windows import (
+    HorizonError,
+    Windows,
+    median_error,
+    median_floor,
+    prediction_windows,
+)
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import Simulator, make_simulator
 from fsm_calib.recording.recording import Recording

@@ -161,7 +161,7 @@ def outliers(residual: FloatArray) -> np.ndarray:
     """Return a mask (n,) of rows of `residual` (n, 3) that leave the middle by many robust deviations."""
     off = np.abs(residual - np.nanmedian(residual, axis=0))
     spread = 1.4826 * np.nanmedian(off, axis=0)
-    return np.any(~(off <= OUTLIER_DEVIATIONS * np.maximum(spread, 1e-9)), axis=1)
+    return np.asarray(np.any(~(off <= OUTLIER_DEVIATIONS * np.maximum(spread, 1e-9)), axis=1))
 
 
 def base_steps(steps: FloatArray, sensor: FloatArray) -> FloatArray:

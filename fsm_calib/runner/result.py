@@ -62,7 +62,8 @@ def result_of(session: Session, wall: float, by_part: dict[str, float]) -> dict[
     if run.lost is not None:
         lost = {"name": type(run.lost).__name__, "reason": f"{run.lost.problem}.", "cure": run.lost.cure}
         result["lost"] = lost
-    return plain(result)
+    values: dict[str, Any] = plain(result)
+    return values
 
 
 def outcome_of(state: str) -> str:

@@ -21,13 +21,13 @@ from fsm_calib.statechart.machinery import Evidence, Machinery
 from fsm_calib.statechart.spec import SEPARATOR, Chart, State, Transition
 
 
-class SlashState(NestedState):  # type: ignore[misc]
+class SlashState(NestedState):
     """A nested state whose path is written with `/`, so that names may hold `_`."""
 
     separator = SEPARATOR
 
 
-class RecordedTransition(NestedTransition):  # type: ignore[misc]
+class RecordedTransition(NestedTransition):
     """A transition that knows its row in the table and tells its model when it is taken."""
 
     def __init__(self, *args: Any, ident: str = "", **kwargs: Any) -> None:
@@ -42,7 +42,7 @@ class RecordedTransition(NestedTransition):  # type: ignore[misc]
         return passed
 
 
-class SlashMachine(HierarchicalMachine):  # type: ignore[misc]
+class SlashMachine(HierarchicalMachine):
     """The library's hierarchical machine with the two classes above."""
 
     state_cls = SlashState

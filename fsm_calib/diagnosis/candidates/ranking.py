@@ -129,7 +129,8 @@ class Bank:
     @property
     def seconds(self) -> dict[str, float]:
         """Seconds spent on each effect in the last `rank`."""
-        return self.__dict__.setdefault("_seconds", {})
+        spent: dict[str, float] = self.__dict__.setdefault("_seconds", {})
+        return spent
 
     def plans(self, effect: Effect) -> list[tuple[Hypothesis, list[Start]]]:
         """Return the forms of an effect with their starts."""

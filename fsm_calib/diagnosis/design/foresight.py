@@ -150,7 +150,8 @@ class Foresight:
         @cache
         def after_a_second(left: float, right: float) -> FloatArray:
             drive = Drive(np.zeros(1), np.array([left]), np.array([right]))
-            return simulate(self.belief.leader.values, drive, np.array([0.0, 1.0]), np.zeros(3), dt=STEP)[1]
+            values = self.belief.leader.values
+            return np.asarray(simulate(values, drive, np.array([0.0, 1.0]), np.zeros(3), dt=STEP)[1])
 
         return Pace(
             lambda u: float(abs(after_a_second(u, u)[3])), lambda u: float(abs(after_a_second(-u, u)[5]))

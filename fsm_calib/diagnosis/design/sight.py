@@ -48,7 +48,8 @@ class Sight:
         row = np.floor((c * dx + s * dy - self.view_corner[0]) / self.view_cell).astype(int)
         column = np.floor((c * dy - s * dx - self.view_corner[1]) / self.view_cell).astype(int)
         inside = (row >= 0) & (row < self.view.shape[0]) & (column >= 0) & (column < self.view.shape[1])
-        return np.sum(inside & self.view[np.where(inside, row, 0), np.where(inside, column, 0)], axis=1)
+        seen = inside & self.view[np.where(inside, row, 0), np.where(inside, column, 0)]
+        return np.asarray(seen.sum(axis=1))
 
     def enough(self, paths: FloatArray) -> np.ndarray:
         """Return for each pose of `paths` (k, n, 3) whether enough is seen, shape (k, n)."""

@@ -90,7 +90,7 @@ class CommandMotion:
 
     def _stale(self, times: FloatArray) -> FloatArray:
         if self.stale_after is None:
-            return (times < self.time[0]).astype(float)
+            return np.asarray(times < self.time[0], dtype=float)
         row = np.searchsorted(self.time, times + 1e-9, side="right") - 1
         age = times - self.time[np.maximum(row, 0)]
         return ((row < 0) | (age >= self.stale_after - 1e-9)).astype(float)

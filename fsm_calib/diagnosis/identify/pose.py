@@ -146,7 +146,8 @@ def _problem(
         observed = np.array([p["px"], p["py"], p["psi"], p["r_xy"] ** 2, p["r_theta"] ** 2, p["r_time"] ** 2])
         dynamics = np.array([*motion.constants(p), p["q_f"] ** 2, p["q_t"] ** 2, p["s_b"]])
         state = np.array([z[0, 0], z[0, 1], *theta0])
-        return innovations(motion.mode, steps, z, known, used, state, observed, dynamics)
+        errors, covariances = innovations(motion.mode, steps, z, known, used, state, observed, dynamics)
+        return errors, covariances
 
     return Problem(
         run,

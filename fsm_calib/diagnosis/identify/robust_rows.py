@@ -124,7 +124,7 @@ def scaled_inverse(information: FloatArray, scale: FloatArray) -> FloatArray:
     values, vectors = np.linalg.eigh((unitless + unitless.T) / 2.0)
     floor = max(float(values[-1]), 1e-300) * 1e-13
     inverse = (vectors / np.maximum(values, floor)) @ vectors.T
-    return inverse * np.outer(scale, scale)
+    return np.asarray(inverse * np.outer(scale, scale))
 
 
 def scaled_solve(information: FloatArray, gradient: FloatArray, scale: FloatArray) -> FloatArray:
@@ -181,7 +181,7 @@ def _sandwich(
         cross = scores[lag:].T @ scores[:-lag]
         meat += (1.0 - lag / (correlated + 1.0)) * (cross + cross.T)
     rows, count = residuals.shape[0] * dimension, jacobian.shape[2]
-    return bread @ meat @ bread * rows / max(rows - count, 1)
+    return np.asarray(bread @ meat @ bread * rows / max(rows - count, 1))
 
 
 def _with_outliers(jacobian: FloatArray, residuals: FloatArray, scale: FloatArray) -> FloatArray:

@@ -189,7 +189,7 @@ def _step(information: FloatArray, gradient: FloatArray, scale: FloatArray, damp
     diagonal = np.diag(unitless)
     damped = unitless + np.diag(damping * diagonal + 1e-9 * max(float(diagonal.max()), 1e-300))
     # no parameter moves by more than twice its size at once
-    return np.clip(np.linalg.solve(damped, gradient * scale), -2.0, 2.0) * scale
+    return np.asarray(np.clip(np.linalg.solve(damped, gradient * scale), -2.0, 2.0) * scale)
 
 
 def _information(problem: Problem, parameters: FloatArray, used: np.ndarray) -> tuple[FloatArray, FloatArray]:

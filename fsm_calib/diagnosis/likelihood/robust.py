@@ -51,7 +51,7 @@ class Whitener:
             p.dt, p.rotation, p.step[:, :2].copy(), p.moving, p.seen, p.restart, self.noise.vector(), p.geometry,
             self.gains, self.scale, np.ascontiguousarray(increments), y,
         )  # fmt: skip
-        return white[p.scored]
+        return np.asarray(white[p.scored])
 
     def residual(self, simulated: FloatArray) -> FloatArray:
         """Return the whitened innovations, shape (N,), of simulated increments (n, 5)."""
@@ -60,7 +60,7 @@ class Whitener:
     @property
     def log_scale(self) -> FloatArray:
         """log(1 / sqrt(S)) of every innovation, shape (N,)."""
-        return np.log(self.scale[self.prepared.scored])
+        return np.asarray(np.log(self.scale[self.prepared.scored]))
 
 
 def log_kernel(white: FloatArray, nu: float) -> FloatArray:

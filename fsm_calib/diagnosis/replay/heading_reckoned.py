@@ -77,4 +77,4 @@ def _slow(time: FloatArray, at: FloatArray, off: np.ndarray) -> FloatArray:
     """Return the mean angle of `off` (m,) complex at times `at` (m,), over some seconds about each time (n,)."""
     grid = np.arange(time[0], time[-1] + 0.5, 0.5)
     weight = np.exp(-0.5 * ((grid[:, None] - at) / SLOW) ** 2) + 1e-12
-    return np.interp(time, grid, np.unwrap(np.angle(weight @ off)))
+    return np.asarray(np.interp(time, grid, np.unwrap(np.angle(weight @ off))))

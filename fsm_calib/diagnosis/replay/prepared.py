@@ -76,7 +76,7 @@ class Prepared:
     @property
     def scored(self) -> np.ndarray:
         """Mask (n, 5) of the innovations that enter the likelihood."""
-        return self.seen & ~self.restart[:, None]
+        return np.asarray(self.seen & ~self.restart[:, None])
 
 
 def clean_poses(recording: Recording) -> Poses:
@@ -194,7 +194,7 @@ def _moving(track: SmoothTrack, picked: np.ndarray, axle: float, settings: Setti
     """Return the share in [0, 1] that the robot moves at each event, from the rim speed of its faster wheel."""
     rim = np.hypot(track.vx, track.vy)[picked] + 0.5 * axle * np.abs(track.omega[picked])
     ramp = np.clip((rim - settings.still_speed) / (settings.moving_speed - settings.still_speed), 0.0, 1.0)
-    return ramp * ramp * (3.0 - 2.0 * ramp)
+    return np.asarray(ramp * ramp * (3.0 - 2.0 * ramp))
 
 
 def _coming_to_rest(time: FloatArray, moving: FloatArray) -> FloatArray:
@@ -226,7 +226,7 @@ def _fresh(angles: FloatArray, moving: FloatArray) -> np.ndarray:
     changed = np.abs(np.diff(angles, axis=0, prepend=angles[:1])).max(axis=1, initial=0.0) > 0.0
     fresh = changed | (moving > 0.5)
     fresh[:1] = True
-    return fresh
+    return np.asarray(fresh)
 
 
 def unknown_spans(recording: Recording, settings: Settings) -> list[tuple[float, float]]:

@@ -75,7 +75,7 @@ def chord_noise(time: FloatArray, value: FloatArray) -> float:
     if not len(middle):
         return 1e-3
     quartile = float(np.quantile(np.abs(middle), 0.25))  # 0.3186 standard deviations; motion only adds
-    return max(quartile / 0.3186 / np.sqrt(1.5), 1e-6)
+    return float(max(quartile / 0.3186 / np.sqrt(1.5), 1e-6))
 
 
 def _smooth_best(

@@ -65,7 +65,7 @@ def _pivot(f: Frame) -> FloatArray:
     alone = (left != right)[:, None]
 
     def driven_alone(own: FloatArray) -> FloatArray:
-        return f.full * alone * np.column_stack([own, np.sign(own) * (np.abs(own) > AT_REST)])
+        return np.asarray(f.full * alone * np.column_stack([own, np.sign(own) * (np.abs(own) > AT_REST)]))
 
     body = f.forward(alone * sign(f.s.v)[:, None])
     turn = f.turn(alone * sign(f.s.half * f.s.omega)[:, None] / f.s.half)

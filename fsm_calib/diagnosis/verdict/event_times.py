@@ -53,7 +53,7 @@ def _moved(values: FloatArray, ranked: Ranked, edge: str) -> tuple[float, Move]:
     begin, end = float(values[run, start]), float(values[run, start] + values[run, length])
 
     def move(moment: float) -> FloatArray:
-        changed = values[run].copy()
+        changed: FloatArray = values[run].copy()
         if edge == "start":
             changed[start] = moment
         if "duration" in ranked.hypothesis.names:
