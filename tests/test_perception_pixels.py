@@ -12,7 +12,7 @@ from fsm_calib.errors import DataError
 from fsm_calib.perception import chessboard
 from fsm_calib.perception.board_order import canonical_order, half_turned
 from fsm_calib.perception.chessboard import find_board, find_boards, inspect_board
-from fsm_calib.perception.corner_bias import curvature_bias
+from fsm_calib.perception.corner_bias import curvature_bias, pull_of_edges
 from fsm_calib.perception.corner_grid import straightened
 from fsm_calib.perception.focus import read_focus
 from fsm_calib.perception.ground import floor_points, observe_tags
@@ -167,15 +167,60 @@ def test_colours_fix_the_order_of_a_board_that_is_not_ambiguous() -> None:
     np.testing.assert_allclose(turned, np.array([199.0, 139.0]) - canonical_order(grid, gray, board))
 
 
-def test_straight_edges_have_no_bias_and_bent_ones_have_the_computed_one() -> None:
+def bent_corner(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a corner's place (2,) [px] in a picture of 41 px, its edges' normals (2, 2) and curvatures (2,) [1/px]."""
+    first = rng.uniform(0.0, math.pi)
+    angles = np.array([first, first + rng.uniform(1.0, 2.1)])
+    normals = np.column_stack([-np.sin(angles), np.cos(angles)])
+    return rng.uniform(19.5, 20.5, 2), normals, rng.normal(0.0, 0.02, 2)
+
+
+def picture_of_corner(
+    place: np.ndarray, normals: np.ndarray, curvatures: np.ndarray, gain: float
+) -> np.ndarray:
+    """Return the picture of two bent edges that cross, blurred and lit by `gain`."""
+    fine = (np.arange(41 * 6) + 0.5) / 6 - 0.5
+    x, y = np.meshgrid(fine - place[0], fine - place[1])
+    sides = [
+        n[0] * x + n[1] * y - k * (n[1] * x - n[0] * y) ** 2 / 2
+        for n, k in zip(normals, curvatures, strict=True)
+    ]
+    light = np.where(sides[0] * sides[1] > 0.0, 200.0, 20.0).reshape(41, 6, 41, 6).mean(axis=(1, 3))
+    return np.clip(np.rint(gain * cv2.GaussianBlur(light, (0, 0), 0.7)), 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("half", [4, 9])
+@pytest.mark.parametrize("gain", [1.0, 1.8])
+def test_search_between_bent_edges_is_off_by_the_computed_bias_in_any_light(half: int, gain: float) -> None:
+    rng = np.random.default_rng(4)
+    found, computed = [], []
+    for _ in range(150):
+        place, normals, curvatures = bent_corner(rng)
+        ends = []
+        for way in (-curvatures, curvatures):  # where pixels lie is the same in both and cancels
+            gray = picture_of_corner(place, normals, way, gain)
+            end = chessboard._searched(gray, place[None], np.array([half]))
+            ends.append((end[0], pull_of_edges(gray, end, half, normals[None], way[None])[0]))
+        found.append(ends[1][0] - ends[0][0])
+        computed.append(ends[1][1] - ends[0][1])
+    share = np.sum(np.multiply(found, computed)) / np.sum(np.square(computed))
+    assert share == pytest.approx(1.0, abs=0.1)
+
+
+def test_straight_edges_have_no_bias() -> None:
     board = BoardSpec(7, 5)
-    grid = np.mgrid[0:7, 0:5].T.reshape(-1, 2) * 30.0
-    halves = np.full(35, 6)
-    np.testing.assert_allclose(curvature_bias(grid, halves, board), 0.0, atol=1e-12)
-    curvature = 1e-3
-    bent = grid + np.column_stack([np.zeros(35), 0.5 * curvature * (grid[:, 0] - 90.0) ** 2])
-    bias = curvature_bias(bent, halves, board).reshape(5, 7, 2)[2, 3]
-    np.testing.assert_allclose(bias, [0.0, -0.5 * curvature * 0.2537 * 36.0], atol=1e-4)
+    grid = np.mgrid[0:7, 0:5].T.reshape(-1, 2) * 30.0 + 20.0
+    gray = np.random.default_rng(0).integers(0, 255, (200, 240), dtype=np.uint8)
+    np.testing.assert_allclose(curvature_bias(gray, grid, np.full(35, 6), board), 0.0, atol=1e-12)
+
+
+def test_bent_rows_pull_their_corners_towards_the_inside_of_the_bend() -> None:
+    board = BoardSpec(7, 5)
+    grid = np.mgrid[0:7, 0:5].T.reshape(-1, 2) * 30.0 + 20.0
+    bent = grid + np.column_stack([np.zeros(35), 0.5e-3 * (grid[:, 0] - 110.0) ** 2])
+    gray = np.random.default_rng(0).integers(0, 255, (220, 240), dtype=np.uint8)
+    bias = curvature_bias(gray, bent, np.full(35, 6), board)
+    assert np.all(bias[:, 1] < 0.0)
 
 
 def test_tags_have_the_library_order_and_pixel_centres_at_whole_numbers() -> None:

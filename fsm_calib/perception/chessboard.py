@@ -3,7 +3,7 @@
 The classic detector of OpenCV finds the grid; a sub-pixel search in a window that fits between the corners
 refines it. The tutorial's window (11 px to each side) takes in the neighbour corners of small squares and
 moves corners by up to 8 px; here every corner's half-window is 0.45 of the distance to its nearest neighbour,
-4 to 9 px, and a board whose corners moved by more than 0.3 squares is refused.
+3 to 9 px, and a board whose corners moved by more than 0.3 squares is refused.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class DetectorSettings:
         Half-window of the sub-pixel search, in spacings of the corner's nearest neighbour [1]. Measured on
         boards of 9 px squares: 0.56 still gives 0.05 px, 0.67 takes in the neighbour and gives 0.2 px.
     smallest_window_px, largest_window_px : int
-        Bounds of the half-window [px]: 4 keeps enough gradient, beyond 9 the lens bends the edges inside it.
+        Bounds of the half-window [px]: 3 keeps enough gradient, beyond 9 the lens bends the edges inside it.
     largest_move_squares : float
         A corner that the search moved farther than this from the detector's start is lost [squares].
     largest_stray_squares : float
@@ -59,7 +59,7 @@ class DetectorSettings:
     """
 
     window_of_spacing: float = 0.45
-    smallest_window_px: int = 4
+    smallest_window_px: int = 3
     largest_window_px: int = 9
     largest_move_squares: float = 0.3
     largest_stray_squares: float = 0.2
@@ -246,17 +246,23 @@ def _refined_from(
 ) -> FloatArray | None:
     """Return the corners searched around `rough`, or None when one of them ran away with every window tried."""
     spacing = corner_spacings(rough, board)
-    clearance = corner_clearances(rough, board)
-    widest = np.floor(settings.window_of_spacing * clearance).astype(int)
-    halves = np.clip(widest, settings.smallest_window_px, settings.largest_window_px)
+    halves = half_windows(rough, board, settings)
     halves = np.where(_to_border(rough, gray) > halves + 1, halves, settings.smallest_window_px)
     limit = settings.largest_move_squares * np.maximum(spacing, 5.0)
     corners = rough
     for shrink in (0, 2, 4):
         corners = _searched(gray, rough, np.maximum(halves - shrink, 3))
         if np.all(np.linalg.norm(corners - rough, axis=1) <= limit):
-            return corners - curvature_bias(corners, np.maximum(halves - shrink, 3), board)
+            return corners - curvature_bias(gray, corners, np.maximum(halves - shrink, 3), board)
     return None
+
+
+def half_windows(
+    corners: FloatArray, board: BoardSpec, settings: DetectorSettings = DEFAULT_DETECTOR
+) -> NDArray[np.int_]:
+    """Return the half-window in which each corner inside the image is searched, shape (n,) [px]."""
+    widest = np.floor(settings.window_of_spacing * corner_clearances(corners, board)).astype(int)
+    return np.clip(widest, settings.smallest_window_px, settings.largest_window_px)
 
 
 def _searched(gray: Image, rough: FloatArray, halves: NDArray) -> FloatArray:

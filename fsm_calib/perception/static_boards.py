@@ -17,6 +17,8 @@ import numpy as np
 from fsm_calib.perception.board_order import half_turned, is_half_turn_ambiguous
 from fsm_calib.perception.bundle import Prior, Solution, fit
 from fsm_calib.perception.calibration import CameraCalibration, fit_figures
+from fsm_calib.perception.chessboard import half_windows
+from fsm_calib.perception.corner_bias import expected_bias
 from fsm_calib.perception.intrinsics import calibrate, views_per_board
 from fsm_calib.perception.lens import camera_model, intrinsics_vector, is_sane_over_image
 from fsm_calib.perception.outliers import kept_corners
@@ -31,7 +33,7 @@ from fsm_calib.perception.static_start import (
     tilt_from_vertical,
     vertical_in_camera,
 )
-from fsm_calib.perception.systematic import systematic_covariance
+from fsm_calib.perception.systematic import shared_covariance, systematic_covariance
 from fsm_calib.types import BoardSpec, BoardView, CameraMount, FloatArray
 
 _FLAT = math.cos(math.radians(4.0))  # a board whose normal is this near the vertical lies on the floor
@@ -124,7 +126,8 @@ def calibrate_static(
     solution = fit(problem, state, held, kept, prior=prior)
     kept = kept_corners(solution.residual, kept, settings)
     solution = fit(problem, solution.state, held, kept, prior=prior)
-    found = _result(solution, problem, kept, held, keep, free, limits)
+    bias = np.stack([expected_bias(view, half_windows(view, board), board) for view in corners])
+    found = _result(solution, problem, kept, held, bias, keep, free, limits)
     if not found.is_static:
         return found
     count = views_per_board([replace(views[used[i]], board=int(own[i])) for i in keep])
@@ -184,12 +187,13 @@ def _prior(problem: StaticBoards, settings: SolveSettings) -> Prior:
 
 
 def _result(
-    solution: Solution[StaticState], problem: StaticBoards, kept: FloatArray, held: np.ndarray,
+    solution: Solution[StaticState], problem: StaticBoards, kept: FloatArray, held: np.ndarray, bias: FloatArray,
     keep: np.ndarray, free: CameraCalibration, limits: StaticSettings,
 ) -> StaticResult:  # fmt: skip
     state = solution.state
     covariance, noise = covariance_of(solution, held, 3 * len(state.frames))
     covariance = covariance + systematic_covariance(solution, problem.board, held)
+    covariance = covariance + shared_covariance(solution, bias, held)
     deviation = np.sqrt(np.diag(covariance)[12:FIRST_BOARD])
     height = _height(state, problem.points_board.mean(axis=0))
     result = StaticResult(
