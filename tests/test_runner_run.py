@@ -48,6 +48,10 @@ def without_times(directory: Path) -> dict:
     return result
 
 
+def pictures_in(directory: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in (directory / "frames").iterdir()}
+
+
 class Snapshots(Silent):
     """Copies the run's directory after each event, as a kill at that moment would leave it."""
 
@@ -104,7 +108,9 @@ def test_a_run_killed_at_any_event_resumes_to_the_same_result(
         journal.write(b'{"seq": 999, "torn')
     run_scenario(scenario(), directory, resume=True)
     assert without_times(directory) == without_times(run)
-    assert (directory / "journal.jsonl").read_bytes() == (run / "journal.jsonl").read_bytes()
+    for name in ("journal.jsonl", "checkpoint.json", "checkpoint.previous.json"):
+        assert (directory / name).read_bytes() == (run / name).read_bytes()
+    assert pictures_in(directory) == pictures_in(run)
 
 
 def test_a_run_killed_between_journal_and_checkpoint_resumes_to_the_same_result(

@@ -147,6 +147,7 @@ def record(run: Run, activity: str, outcome: Outcome, fired: Fired) -> None:
         "books": run.machine.books.to_dict(),
         "bench": run.bench.to_state(),
         "gallery": run.gallery.to_state(),
+        "seen_frames": run.bench.seen_frames,
     }
     if run.begun:
         if fired.dest == BETWEEN:

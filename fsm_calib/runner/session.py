@@ -166,6 +166,7 @@ def _session(
     if state:
         run.sequence = state["sequence"]
         run.bench.from_state(state["bench"])
+        run.bench.seen_frames = state.get("seen_frames", 0)
         run.begun = state["begun"] if is_real else {}
         with parts.part("physics"):
             if connection.world is not None:
