@@ -5,9 +5,10 @@ from __future__ import annotations
 import gzip
 import random
 import struct
+import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from unittest import mock
@@ -17,6 +18,9 @@ import numpy as np
 from damaged_input import drive
 from identify_fuzz import NASTY, damage, files
 from rosbags.rosbag2 import StoragePlugin
+
+sys.path.append(str(Path(__file__).parent.parent / "tests"))
+from wild_bags import turtlebot
 
 from fsm_calib.calibration_files import read_kinematics
 from fsm_calib.commands.camera_options import parse_board
@@ -32,12 +36,14 @@ from fsm_calib.perception.chessboard import inspect_board
 from fsm_calib.perception.photos import read_photo
 from fsm_calib.perception.tags import find_tags, tag_cells
 from fsm_calib.perception.undistort import undistorted
-from fsm_calib.recording import read_recording, writers
+from fsm_calib.recording import TwistTrack, WheelPair, read_recording, writers
+from fsm_calib.recording.robot_files import read_robot_file
 from fsm_calib.recording.tag_poses import read_tag_map
 from fsm_calib.scenario.load import load_scenario
 from fsm_calib.scenario.world import physics_of, world_of
 from fsm_calib.study.load import load_study
 from fsm_calib.types import BoardSpec, CameraModel
+from fsm_calib.watch.follow import Follower
 
 ROOT = Path(__file__).parent.parent
 Files = dict[str, bytes]
@@ -167,6 +173,28 @@ def bag_files(
     return write
 
 
+def turtlebot_files(storage: str) -> Callable[[], Files]:
+    """Return who writes another robot's bag: velocities, stamped poses, joint states."""
+
+    def write() -> Files:
+        sound = drive().window(0.0, 4.0)
+        twist = TwistTrack(sound.pose.time, np.full(sound.pose.time.size, 0.2), np.cos(sound.pose.time))
+        wheels = WheelPair(sound.pose.time, sound.pose.time * 6.0, sound.pose.time * 6.0)
+        robot = replace(sound, command=None, twist=twist, wheel_angle=wheels)
+        with tempfile.TemporaryDirectory() as folder:
+            path = turtlebot(robot, storage).write(Path(folder) / "drive")
+            written = [path] if path.is_file() else sorted(path.iterdir())
+            return {file.name: file.read_bytes() for file in written}
+
+    return write
+
+
+def follow(folder: Path) -> object:
+    """Read a run's directory as the page that watches it does."""
+    run = Follower(folder)
+    return run.read(), run.pictures(), run.area(), run.result()
+
+
 def identified(path: Path) -> object:
     """Read a recording and fit it as the command does."""
     with np.errstate(all="ignore"):
@@ -253,6 +281,20 @@ _WRITTEN = _written()
 KINEMATICS = b"baseline: 0.1\ncalibration_time: 2024-01-01\ngain: 1.0\nk: 27.0\nlimit: 1.0\nomega_max: 8.0\nradius: 0.0318\ntrim: 0.01\nv_max: 1.0\n"
 EXTRINSICS = b"homography: [-0.001, -0.0002, 0.4, 0.001, -0.0001, -0.3, -0.0001, -0.008, 1.0]\n"
 TAGS = b"tags:\n  300: {x: 0.0, y: 0.0, theta: 0.0}\n  301: {x: 1.0, y: 0.5, theta: 1.57}\nmount: {forward: 0.06, height: 0.1, pitch: 0.3}\n"
+URDF = b"""<robot name="cart"><link name="base_link"><inertial><mass value="2.0"/><inertia izz="0.01"/></inertial></link>
+<link name="wheel_left_link"><collision><geometry><cylinder radius="0.033" length="0.018"/></geometry></collision>
+<inertial><mass value="0.03"/><inertia izz="1e-5"/></inertial></link>
+<joint name="wheel_left_joint" type="continuous"><parent link="base_link"/><child link="wheel_left_link"/>
+<origin xyz="0.0 0.08 0.023" rpy="-1.57 0 0"/></joint>
+<link name="wheel_right_link"><collision><geometry><cylinder radius="0.033" length="0.018"/></geometry></collision></link>
+<joint name="wheel_right_joint" type="continuous"><parent link="base_link"/><child link="wheel_right_link"/>
+<origin xyz="0.0 -0.08 0.023"/></joint></robot>
+"""
+SDF = b"""<sdf version="1.6"><model name="m"><link name="left_wheel"><pose>0 0.25 0 0 0 0</pose><inertial><mass>2</mass>
+</inertial><collision><geometry><cylinder><radius>0.1</radius></cylinder></geometry></collision></link>
+<link name="right_wheel"><pose>0 -0.25 0 0 0 0</pose></link>
+<plugin><wheel_separation>0.52</wheel_separation><wheel_diameter>0.21</wheel_diameter></plugin></model></sdf>
+"""
 KINDS: dict[str, Kind] = {
     "scenario": Kind(of_files("scenarios/full_calibration.yaml"), damaged_text, lambda f: world_of(load_scenario(f / "full_calibration.yaml"))),
     "world": Kind(of_files("scenarios/wheels_only.yaml"), damaged_text, lambda f: physics_of(f / "wheels_only.yaml")),
@@ -272,5 +314,10 @@ KINDS: dict[str, Kind] = {
     "board image": Kind(picture("board"), damaged_binary, look_for_boards),
     "board option": Kind(lambda: {"word": b"9x6"}, damaged_text, lambda f: parse_board([(f / "word").read_text("utf-8", "replace")], 0.025)),
     "journal": Kind(journal_files, damaged_binary, resume),
+    "watched run": Kind(journal_files, damaged_text, follow),
+    "URDF": Kind(lambda: {"robot.urdf": URDF}, damaged_text, lambda f: read_robot_file(f / "robot.urdf")),
+    "SDF": Kind(lambda: {"robot.sdf": SDF}, damaged_text, lambda f: read_robot_file(f / "robot.sdf")),
+    "TurtleBot, ROS 1": Kind(turtlebot_files("ros1"), damaged_binary, read_bag_in),
+    "TurtleBot, MCAP": Kind(turtlebot_files("mcap"), damaged_binary, read_bag_in),
 }  # fmt: skip
 __all__ = ["KINDS", "NASTY", "Files", "Kind"]

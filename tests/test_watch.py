@@ -73,6 +73,17 @@ def test_follower_begins_anew_with_a_new_run(folder) -> None:
     assert [one["path"] for one in follower.read()] == ["between"]
 
 
+@pytest.mark.parametrize("line", [b"[1, 2]", b"7", b"{", b"[" * 20_000, b"\xff"])
+def test_follower_leaves_out_what_is_no_event(folder, line) -> None:
+    before = len(Follower(folder).read())
+    with (folder / "journal.jsonl").open("ab") as journal:
+        journal.write(line + b"\n")
+    (folder / "checkpoint.json").write_bytes(line)
+    follower = Follower(folder)
+    assert len(follower.read()) == before
+    assert follower.pictures() == []
+
+
 def test_missing_folder_is_refused(tmp_path) -> None:
     with pytest.raises(InputError, match="no such folder"):
         Follower(tmp_path / "nothing")

@@ -60,10 +60,8 @@ class Follower:
         """Keep the whole lines of what is new; a line that is still being written is read next time."""
         whole = content.rfind(b"\n") + 1
         for line in content[:whole].splitlines():
-            try:
-                self._events.append(shown(json.loads(line)))
-            except ValueError:
-                continue  # the page shows what can be read; `run --resume` is where damage is told
+            if event := _object_in(line):
+                self._events.append(shown(event))
         self._read += whole
 
     def pictures(self) -> list[dict[str, Any]]:
@@ -83,10 +81,21 @@ class Follower:
     def _json(self, name: str) -> dict[str, Any]:
         """Return an object from a file of the run; an empty one where there is none yet."""
         try:
-            found = json.loads((self.directory / name).read_bytes())
-        except (OSError, ValueError):
+            return _object_in((self.directory / name).read_bytes())
+        except OSError:
             return {}
-        return found if isinstance(found, dict) else {}
+
+
+def _object_in(text: bytes) -> dict[str, Any]:
+    """Return the JSON object that a text is, an empty one where it is none.
+
+    The page shows what can be read; `run --resume` is where damage is told.
+    """
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def shown(event: dict[str, Any]) -> dict[str, Any]:
