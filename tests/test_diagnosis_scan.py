@@ -185,6 +185,25 @@ def test_a_push_so_strong_that_its_poses_are_outliers_is_found():
     assert best.promise > 10.0 * best.elsewhere
 
 
+def test_a_hand_that_leans_on_the_robot_for_seconds_is_found_with_how_long():
+    numbers = {"impulse_x": 0.5, "impulse_turn": 0.1, "start": 17.0, "duration": 2.2}
+    pushed = recording(0, **{f"external_push__{name}": value for name, value in numbers.items()})
+    bank = bank_of(pushed, recording(1))
+    best = max(bank.scanner.pushes(registry()["external_push"]), key=lambda candidate: candidate.promise)
+    assert best.run == 0
+    assert best.changes["external_push.duration"] == pytest.approx(2.2, abs=0.9)
+    found = fitted(bank, "external_push")
+    assert found["duration"] == pytest.approx(2.2, abs=0.2)
+    assert found["start"] == pytest.approx(17.0, abs=0.2)
+
+
+def test_a_kick_is_not_asked_how_long_it_lasted():
+    push = {"external_push__impulse_turn": 0.06, "external_push__start": 15.2}
+    bank = bank_of(recording(0, **push), recording(1))
+    closures = {form.closure for form, _ in bank.plans(registry()["external_push"])}
+    assert closures == {"push"}
+
+
 def test_disturbances_fade_only_after_a_robot_has_come_to_rest():
     prepared = prepare(recording(0))
     moving, stopped = prepared.moving, prepared.recording.command

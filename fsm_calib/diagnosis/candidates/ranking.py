@@ -25,7 +25,7 @@ from fsm_calib.diagnosis.replay.simulator import scale_of
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.score_tests import residual_of
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.effects import Closure, Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
 FIRST_STEPS, LAST_STEPS = 6, 6  # Gauss-Newton steps before and after the noise is fitted again
@@ -159,9 +159,9 @@ class Bank:
         for candidate in candidates:
             if candidate.promise < wanted or self.scanner.hopeless(candidate.promise):
                 continue
-            for closure in effect.closures:
+            given = {n.split(".")[1] for n in candidate.changes}
+            for closure in _asked_for(effect, given):
                 names = closure.frees
-                given = {n.split(".")[1] for n in candidate.changes}
                 strengths = {p.name for p in effect.parameters if p.strength}
                 if (given & strengths) - set(names):
                     continue
@@ -234,6 +234,15 @@ class Bank:
             parent.values, fit.slots, parent.noise, parent.log_likelihood, parent.log_prior, covariance,
             parent.simulated, columns,
         )  # fmt: skip
+
+
+def _asked_for(effect: Effect, given: set[str]) -> list[Closure]:
+    """Return the closures of an event whose times are those that a scan gives (a begin, or a length, too)."""
+    if effect.scan != "time":
+        return list(effect.closures)
+    times = {p.name for p in effect.parameters if not p.strength}
+    differ = [len((set(closure.frees) ^ given) & times) for closure in effect.closures]
+    return [c for c, number in zip(effect.closures, differ, strict=True) if number == min(differ)]
 
 
 def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[int]) -> Ranked:

@@ -27,7 +27,7 @@ from fsm_calib.diagnosis.candidates.scan_default import (
     tried_span,
 )
 from fsm_calib.diagnosis.candidates.scan_markers import Jumps, jumps_of, likely_discs
-from fsm_calib.diagnosis.candidates.scan_pushes import APART, STEP, kicks, push_of
+from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, STEP, push_of, pushes
 from fsm_calib.diagnosis.candidates.scan_slides import slides
 from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
@@ -170,15 +170,34 @@ class Scanner:
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
     def pushes(self, effect: Effect) -> list[Candidate]:
-        """Return kicks of one recording, most promising first, each with what the best kick apart from it promises."""
-        tried = [kicks(self.residual, run, s) for run, s in enumerate(self.situations)]
+        """Return pushes of one recording, most promising first, each with what the best one apart from it promises.
+
+        Those that are held promise their length, too, which costs a number more.
+        """
+        kicks, held = self._pushes_of(effect, (KICK,)), self._pushes_of(effect, HELD)
+        best = kicks[0].promise if kicks else 0.0
+        cost = 0.5 * float(np.log(self.residual.engine.count))
+        return kicks + [candidate for candidate in held if candidate.promise > best + cost]
+
+    def _pushes_of(self, effect: Effect, lengths: Sequence[float]) -> list[Candidate]:
+        """Return the best pushes of given lengths [s]."""
+        tried = [
+            pushes(self.residual, run, s, length)
+            for run, s in enumerate(self.situations)
+            for length in lengths
+        ]
         found = []
-        for run, (starts, promise, amplitude) in enumerate(tried):
-            others = max((float(p.max()) for i, (_, p, _) in enumerate(tried) if i != run), default=0.0)
-            for b in apart(promise, starts[:, None], KEEP, 2 * STEP):
-                elsewhere = max(others, _best_beyond(promise, starts, b, APART))
-                changes = push_of(self.situations[run], float(starts[b]), amplitude[b], effect.name)
-                found.append(Candidate(changes, float(promise[b]), run, elsewhere))
+        for one in tried:
+            for b in apart(one.won, one.starts[:, None], KEEP, 2 * STEP):
+                start = float(one.starts[b])
+                rest = max(
+                    o.won_beyond(start, start + one.length)
+                    if o.run == one.run
+                    else float(o.won.max(initial=0.0))
+                    for o in tried
+                )
+                changes = push_of(self.situations[one.run], one, int(b), effect.name)
+                found.append(Candidate(changes, float(one.won[b]), one.run, rest))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
     def tried_places(self, effect: Effect) -> list[Candidate]:

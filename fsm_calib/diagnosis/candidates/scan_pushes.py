@@ -1,12 +1,15 @@
 """When was it pushed? Kicks at every moment, each judged on the seconds after it.
 
-A kick is a speed error that fades as the motors bring the robot back. Its poses are outliers to a robust likelihood
-whose noise the kick itself has widened: a score test, which sees no more of an outlier than its weight, promised a
-push of 1.3 N nothing. So each kick is fitted by reweighted least squares (as the likelihood is, `likelihood.py`) and
-its gain counted in densities. The base robot is not re-fitted beside it: it does not move for one second of a drive.
+A kick is a speed error that fades as the motors bring the robot back; while somebody leans on the robot, the error
+stays. Its poses are outliers to a robust likelihood whose noise the push itself has widened: a score test, which sees
+no more of an outlier than its weight, promised a push of 1.3 N nothing. So each push is fitted by reweighted least
+squares (as the likelihood is, `likelihood.py`) and its gain counted in densities. The base robot is not re-fitted
+beside it: it does not move for one second of a drive.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,33 +18,52 @@ from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import body_columns
 from fsm_calib.diagnosis.shapes.score_tests import Residual
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.parameters import parameter_table
 
-STEP = 0.25  # s between candidate kicks
-LENGTH = 0.25  # s
-APART = 1.0  # s between kicks that are not the same one: four times its length
+STEP = 0.25  # s between candidate pushes
+KICK = 0.25  # s that a kick lasts
+HELD = (0.7, 1.5, 3.0)  # s for which somebody may lean on it: a fit finds the length from a factor of 1.5 off
+APART = 0.75  # s between the end of a push and the begin of one that is not the same
 FADE = 0.1  # s, of the speed error afterwards: a motor's time constant
-SEEN = 3.0  # s after a kick in which it shows
-PERIOD = 16  # kicks of one column lie so many steps apart, a second more than each is seen
+SEEN = 2.75  # s after its end in which a push shows
+GAP = 1.0  # s between what is seen of two pushes that share a column
 SWEEPS = 3  # of reweighted least squares
 MASS, INERTIA = 1.1, 0.0065  # kg, kg m2 of a plain robot: a push's first guess
 
 
-def kicks(residual: Residual, run: int, s: Situation) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return moments (m,) [s] of one recording, what kicks win there (m,), and their amplitudes (m, 3) [m/s]."""
+@dataclass(frozen=True, eq=False)
+class Pushes:
+    """Pushes of one length in one recording: starts (m,) [s], log-likelihood won (m,), speed errors (m, 3) [m/s]."""
+
+    run: int
+    length: float
+    starts: FloatArray
+    won: FloatArray
+    amplitude: FloatArray
+
+    def won_beyond(self, start: float, end: float) -> float:
+        """Return the most that a push wins which is over before `start` [s] or begins after `end` [s]."""
+        apart = (self.starts + self.length < start - APART) | (self.starts > end + APART)
+        return float(self.won[apart].max(initial=0.0))
+
+
+def pushes(residual: Residual, run: int, s: Situation, length: float) -> Pushes:
+    """Return what a push of `length` [s] wins at each moment of one recording."""
     starts = np.arange(max(s.time[0], 0.0) + 0.5, s.time[-1] - 1.0, STEP)
+    period = int(np.ceil((length + SEEN + GAP) / STEP))
     whitener, nu = residual.whiteners[run], residual.engine.nu
     scored = whitener.prepared.scored
     time = np.broadcast_to(whitener.prepared.time[:, None], scored.shape)[scored]
     before = sum(int(w.prepared.scored.sum()) for w in residual.whiteners[:run])
     white = residual.white[before : before + len(time)]
-    columns = residual.engine.white_columns((whitener,), (_trains(s, starts),))
+    columns = residual.engine.white_columns((whitener,), (_trains(s, starts, length, period),))
     won = np.zeros(len(starts))
     amplitude = np.zeros((len(starts), 3))
     for b, start in enumerate(starts.tolist()):
-        rows = slice(*np.searchsorted(time, (start, start + SEEN)))
-        train = 3 * (b % PERIOD)
+        rows = slice(*np.searchsorted(time, (start, start + length + SEEN)))
+        train = 3 * (b % period)
         won[b], amplitude[b] = _fitted(columns[rows, train : train + 3], white[rows], nu)
-    return starts, won, amplitude
+    return Pushes(run, length, starts, won, amplitude)
 
 
 def _fitted(x: FloatArray, white: FloatArray, nu: float) -> tuple[float, FloatArray]:
@@ -61,26 +83,39 @@ def _fitted(x: FloatArray, white: FloatArray, nu: float) -> tuple[float, FloatAr
     return float(log_kernel(left, nu) - log_kernel(white, nu)), numbers
 
 
-def _trains(s: Situation, starts: FloatArray) -> FloatArray:
-    """Return increments (n, 5, 3 PERIOD): errors of 1 m/s forward, sideways, at the rim, kicks that lie apart added."""
+def _trains(s: Situation, starts: FloatArray, length: float, period: int) -> FloatArray:
+    """Return increments (n, 5, 3 period): errors of 1 m/s forward, sideways, at the rim, pushes apart added."""
     since = s.time[:, None] - starts
-    shape = np.clip(since / LENGTH, 0.0, 1.0) * np.exp(-np.maximum(since - LENGTH, 0.0) / FADE)
-    trains = np.column_stack([shape[:, first::PERIOD].sum(axis=1) for first in range(PERIOD)])
-    out = np.zeros((len(s.dt), 5, 3 * PERIOD))
+    shape = np.clip(since / KICK, 0.0, 1.0) * np.exp(-np.maximum(since - length, 0.0) / FADE)
+    trains = np.column_stack([shape[:, first::period].sum(axis=1) for first in range(period)])
+    out = np.zeros((len(s.dt), 5, 3 * period))
     out[:, :, 0::3] = body_columns(s, forward=trains)
     out[:, :, 1::3] = body_columns(s, lateral=trains)
     out[:, :, 2::3] = body_columns(s, turn=trains / s.half)
     return out
 
 
-def push_of(s: Situation, start: float, amplitude: FloatArray, name: str) -> dict[str, float]:
-    """Return the push, of the effect `name`, that brings about speed errors forward, sideways and at the rim [m/s]."""
+def push_of(s: Situation, found: Pushes, which: int, name: str) -> dict[str, float]:
+    """Return a push, of the effect `name`, that brings about its speed errors forward, sideways and at the rim [m/s].
+
+    A push that is held works against the motors, which would end the error within `FADE`: F = m v / FADE.
+    """
+    start = float(found.starts[which])
     heading = float(np.interp(start, s.time, s.heading))
-    ahead, left, turn = amplitude * [MASS, MASS, INERTIA / s.half]
+    times = max(found.length - KICK, 0.0) / FADE + 1.0
+    ahead, left, turn = times * found.amplitude[which] * [MASS, MASS, INERTIA / s.half]
     c, d = np.cos(heading), np.sin(heading)
-    return {
-        f"{name}.impulse_x": float(np.clip(c * ahead - d * left, -3, 3)),
-        f"{name}.impulse_y": float(np.clip(d * ahead + c * left, -3, 3)),
-        f"{name}.impulse_turn": float(np.clip(turn, -0.3, 0.3)),
-        f"{name}.start": start,
+    push = {
+        f"{name}.impulse_x": c * ahead - d * left,
+        f"{name}.impulse_y": d * ahead + c * left,
+        f"{name}.impulse_turn": turn,
     }
+    within = {full: float(np.clip(value, *_bounds(full))) for full, value in push.items()}
+    held = {f"{name}.duration": found.length} if found.length > KICK else {}
+    return {**within, f"{name}.start": start, **held}
+
+
+def _bounds(full: str) -> tuple[float, float]:
+    """Return where a first guess of a strength may lie: six tenths of its bounds."""
+    p = parameter_table().entries[parameter_table().place(full)]
+    return 0.6 * p.low, 0.6 * p.high

@@ -55,14 +55,14 @@ def has_size(ranked: Ranked) -> bool:
 def lasts(ranked: Ranked) -> bool:
     """Return whether a span of time is longer than a push; True for other effects."""
     full = f"{ranked.name}.duration"
-    if "duration" not in ranked.hypothesis.names:
+    if registry()[ranked.name].when != "span":
         return True
     return float(ranked.fit.values[ranked.hypothesis.run, parameter_table().place(full)]) >= SHORTEST_SPAN
 
 
 def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     """Return whether poses were taken while a momentary event began, and for a while after; True for other effects."""
-    if registry()[ranked.name].scan != "time" or "duration" in ranked.hypothesis.names:
+    if registry()[ranked.name].when != "moment":
         return True
     run = ranked.hypothesis.run
     start = float(ranked.fit.values[run, parameter_table().place(f"{ranked.name}.start")])

@@ -1,4 +1,4 @@
-r"""Somebody or something pushes the robot once.
+r"""Somebody or something pushes the robot once, at a blow or for as long as a hand leans on it.
 
     F = (impulse_x, impulse_y) / duration,  M = impulse_turn / duration      start <= t < start + duration
 
@@ -31,18 +31,18 @@ EFFECT = Effect(
     equation="F = impulse / duration from start",
     parameters=(
         Parameter(
-            "impulse_x", "J_x", "N s", 0.0, -5.0, 5.0, 0.4, "a nudge: 0.2 to 1 N s", per_recording=True
+            "impulse_x", "J_x", "N s", 0.0, -40.0, 40.0, 0.4, "a nudge: 0.2 to 1 N s", per_recording=True
         ),
         Parameter(
-            "impulse_y", "J_y", "N s", 0.0, -5.0, 5.0, 0.2, "a nudge", per_recording=True, mirror="negate"
+            "impulse_y", "J_y", "N s", 0.0, -40.0, 40.0, 0.2, "a nudge", per_recording=True, mirror="negate"
         ),
         Parameter(
             "impulse_turn",
             "J_w",
             "N m s",
             0.0,
-            -0.5,
-            0.5,
+            -4.0,
+            4.0,
             0.02,
             "a nudge",
             per_recording=True,
@@ -57,9 +57,9 @@ EFFECT = Effect(
             "s",
             0.2,
             0.02,
-            2.0,
+            8.0,
             0.2,
-            "0.1 to 0.4 s",
+            "0.1 to 0.4 s; a hand stays for seconds",
             strength=False,
             per_recording=True,
             step=5e-3,
@@ -76,6 +76,12 @@ EFFECT = Effect(
     source="momentum balance",
     closures=(
         Closure("push", ("impulse_x", "impulse_y", "impulse_turn", "start"), "impulse and moment at once"),
+        Closure(
+            "held",
+            ("impulse_x", "impulse_y", "impulse_turn", "start", "duration"),
+            "a force that lasts",
+            sentence="From {start} something pushed the robot for {duration} by ({impulse_x}, {impulse_y}) in all.",
+        ),
     ),
     when="moment",
     acts_on="push",
