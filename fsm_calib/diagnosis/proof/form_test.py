@@ -111,21 +111,35 @@ def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Co
         refitted = engine.fit(parent.values, parent.slots, fit.noise, steps=REFIT_STEPS, refresh=True)
         bare, own_pool = _linearised(engine, refitted)
     extra = len(fit.slots) - len(parent.slots)
-    log_n, choice = float(np.log(engine.count)), 2.0 * float(np.log(len(pool.quantities)))
+    log_n, choice = _costs(engine, pool)
     score = float(log_kernel(named.residual, named.nu)) - 0.5 * _prior(named)
     target = 2.0 * score - extra * log_n
     begun, path = _climb(bare, own_pool, MOST_INSTEAD)
     instead = [
         2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
     ]
-    _, more = _climb(named, pool, MOST_BESIDE)
-    beside = [2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(more)]
-    besides = _or_jumps(_best(beside, more, pool), engine, fit, effects)
+    besides = _or_jumps(_best_beside(engine, named, pool), engine, fit, effects)
     explained = evidence_of(fit, parent, engine.count)
     loose = any(registry()[name].scan for name in effects) or any(
         s.prepared.recording.command is None for s in engine.simulators
     )
     return Contest(*_best(instead, path, own_pool), *besides, explained, loose)
+
+
+def beside(engine: Engine, fit: Fit) -> float:
+    """Return the evidence of the best un-named forms beside a fit: what it leaves, as laws see it, not score tests."""
+    return _best_beside(engine, *_linearised(engine, fit))[0]
+
+
+def _best_beside(engine: Engine, named: Linear, pool: Pool) -> tuple[float, tuple[str, ...]]:
+    log_n, choice = _costs(engine, pool)
+    _, path = _climb(named, pool, MOST_BESIDE)
+    return _best([2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(path)], path, pool)
+
+
+def _costs(engine: Engine, pool: Pool) -> tuple[float, float]:
+    """Return what a number costs and what a choice among the forms does."""
+    return float(np.log(engine.count)), 2.0 * float(np.log(len(pool.quantities)))
 
 
 def _or_jumps(
