@@ -11,7 +11,7 @@ from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, jacobian
 from fsm_calib.diagnosis.fitting.values import switched_off
-from fsm_calib.diagnosis.proof.form_test import Linear, contest
+from fsm_calib.diagnosis.proof.form_test import Linear, Remainder, contest
 from fsm_calib.diagnosis.proof.plausible import has_size, is_crossed, is_plausible, is_seen, lasts, stays_in
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
@@ -58,21 +58,21 @@ def test_forms_of_the_sensor_leave_the_wheels_alone(saturated):
 
 def test_a_right_name_wins(saturated):
     engine, base, fit = saturated
-    found = contest(engine, base, fit, ["command_saturation"])
+    found = contest(Remainder.of(engine, fit), base, ["command_saturation"])
     assert found.explained > 100.0
     assert max(found.beside, found.instead) < 0.02 * found.explained
 
 
 def test_a_neighbour_of_the_truth_loses():
     engine, base, fit = fitted("motor_gain_curve", command_saturation__limit=0.3)
-    found = contest(engine, base, fit, ["motor_gain_curve"])
+    found = contest(Remainder.of(engine, fit), base, ["motor_gain_curve"])
     assert max(found.beside, found.instead) > 0.05 * found.explained
     assert "the command's size" in found.instead_quantities + found.beside_quantities
 
 
 def test_play_in_the_gears_is_no_delay():
     engine, base, fit = fitted("command_delay", gear_backlash__gap=0.2)
-    found = contest(engine, base, fit, ["command_delay"])
+    found = contest(Remainder.of(engine, fit), base, ["command_delay"])
     assert found.explained > 100.0
     assert found.beside > 0.05 * found.explained
     assert "which way the motors push" in found.beside_quantities
@@ -82,7 +82,7 @@ def test_a_slide_that_carries_the_base_robot_far_is_not_replaced():
     spot = {"x": 0.12, "y": 0.05, "radius": 0.25, "loss": 0.8}
     numbers = {f"low_friction_patch__{name}": value for name, value in spot.items()}
     engine, base, fit = fitted("low_friction_patch", **numbers)
-    found = contest(engine, base, fit, ["low_friction_patch"])
+    found = contest(Remainder.of(engine, fit), base, ["low_friction_patch"])
     assert found.instead < -0.3 * found.explained
 
 
@@ -219,6 +219,6 @@ def test_limits_of_the_command_do_not_hide_a_shape():
 def test_a_marker_without_its_name_is_no_push():
     marker = {"turn": 0.12, "x": 0.15, "y": 0.0, "radius": 0.2}
     engine, base, fit = fitted("external_push", **{f"misplaced_marker__{k}": v for k, v in marker.items()})
-    found = contest(engine, base, fit, ["external_push"])
+    found = contest(Remainder.of(engine, fit), base, ["external_push"])
     assert found.beside > 0.05 * found.explained
     assert found.beside_quantities == ("the pose's jumps at a place",)

@@ -72,6 +72,7 @@ from fsm_calib.world2d.slots import (
     RADIUS,
     ROTATING,
     SIDE_COMPLIANCE,
+    SIDE_DRIFT,
     SIN,
     SLIP_SPEED,
     STEP,
@@ -141,7 +142,7 @@ def begin_step(P, W):
         W[ENGAGED + side] = 1.0
         W[GRIP + side] = P[FRICTION] * W[LOAD + side]
     W[SLIP_SPEED] = P[TYRE_SLIP]
-    W[SIDE_COMPLIANCE] = 0.0
+    W[SIDE_COMPLIANCE] = W[SIDE_DRIFT] = 0.0
     W[FORCE_X] = W[FORCE_Y] = W[MOMENT] = 0.0
     for i in range(DAMP, DAMP + 6):
         W[i] = 0.0
@@ -193,7 +194,10 @@ def small_rotation(angle):
 
 @njit(**ARITHMETIC)
 def place_robot(S, W):
-    """Move the centre of mass by the mean of its old and new velocity in `world`, and the axle with it."""
+    """Move the centre of mass by the mean of its old and new velocity in `world`, and the axle with it.
+
+    What the tyres drift sideways is added along the mean of the old and new heading.
+    """
     h, cx, cy = W[STEP], W[COM_X], W[COM_Y]
     theta = S[THETA] + h * W[MEAN_OMEGA]
     c0, s0 = S[HEADING_COS], S[HEADING_SIN]
@@ -203,8 +207,9 @@ def place_robot(S, W):
     vx, vy = S[V] - S[OMEGA] * cy, S[L] + S[OMEGA] * cx
     ux, uy = W[NEXT + V] - W[NEXT + OMEGA] * cy, W[NEXT + L] + W[NEXT + OMEGA] * cx
     W[NEXT_VX], W[NEXT_VY] = c1 * ux - s1 * uy, s1 * ux + c1 * uy
-    W[MEAN_VX] = 0.5 * (c0 * vx - s0 * vy + W[NEXT_VX])
-    W[MEAN_VY] = 0.5 * (s0 * vx + c0 * vy + W[NEXT_VY])
+    drift = W[SIDE_DRIFT]
+    W[MEAN_VX] = 0.5 * (c0 * vx - s0 * vy + W[NEXT_VX] - (s0 + s1) * drift)
+    W[MEAN_VY] = 0.5 * (s0 * vx + c0 * vy + W[NEXT_VY] + (c0 + c1) * drift)
     W[NEXT + X] = S[X] + (c0 - c1) * cx - (s0 - s1) * cy + h * W[MEAN_VX]
     W[NEXT + Y] = S[Y] + (s0 - s1) * cx + (c0 - c1) * cy + h * W[MEAN_VY]
     W[NEXT + THETA] = theta

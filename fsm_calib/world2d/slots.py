@@ -90,7 +90,9 @@ SLIP_TREND = 68
 """How much the slip of the tyres changed in the step before [m/s] (68, 69)."""
 HOOKED = 70
 """Whether any effect acts in a step (1) or none (0)."""
-BENCH_SIZE = 71
+SIDE_DRIFT = 71
+"""Sideways speed that bent tyres and springs add to the motion without a force of their own [m/s]."""
+BENCH_SIZE = 72
 
 # ---- constants of the world ----
 GRAVITY = 9.80665

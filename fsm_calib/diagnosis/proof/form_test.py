@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -103,53 +104,72 @@ class Linear:
         return left, off, float(log_kernel(left, self.nu) - 0.5 * np.sum(weight * off * off))
 
 
-def contest(engine: Engine, parent: Fit, fit: Fit, effects: Sequence[str]) -> Contest:
-    """Let un-named forms compete with `effects`, which `fit` adds to `parent`."""
-    named, pool = _linearised(engine, fit)
-    bare, own_pool = named, pool
+@dataclass(frozen=True, eq=False)
+class Remainder:
+    """What a fit leaves: the model and the forms linearised where it is, and the best forms beside it.
+
+    beside : their evidence, with the quantities that they depend on.
+    """
+
+    engine: Engine
+    fit: Fit
+    model: Linear
+    pool: Pool
+    beside: float
+    quantities: tuple[str, ...]
+
+    @classmethod
+    def of(cls, engine: Engine, fit: Fit) -> Remainder:
+        """Let un-named forms join a fit, one by one."""
+        model, pool = _linearised(engine, fit)
+        log_n, choice = _costs(engine, pool)
+        _, path = _climb(model, pool, MOST_BESIDE)
+        evidence = [2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(path)]
+        return cls(engine, fit, model, pool, *_best(evidence, path, pool))
+
+    @cached_property
+    def jumps(self) -> float:
+        """Evidence of jumps of the measured pose at a place."""
+        prepared = [s.prepared for s in self.engine.simulators]
+        return jump_evidence(prepared, self.fit.simulated, self.engine.count)
+
+    def beside_of(self, effects: Sequence[str]) -> tuple[float, tuple[str, ...]]:
+        """Return the best forms beside `effects`, or jumps of the measured pose where these say more."""
+        own_edges = any(registry()[name].jumps for name in effects)  # exact to a frame only
+        if own_edges or self.jumps <= self.beside:
+            return self.beside, self.quantities
+        return self.jumps, (JUMPS,)
+
+
+def contest(remainder: Remainder, parent: Fit, effects: Sequence[str]) -> Contest:
+    """Let un-named forms compete with `effects`, which the fit of `remainder` adds to `parent`."""
+    engine, fit, named = remainder.engine, remainder.fit, remainder.model
+    bare, pool = named, remainder.pool
     if effects:
         refitted = engine.fit(parent.values, parent.slots, fit.noise, steps=REFIT_STEPS, refresh=True)
-        bare, own_pool = _linearised(engine, refitted)
+        bare, pool = _linearised(engine, refitted)
     extra = len(fit.slots) - len(parent.slots)
-    log_n, choice = _costs(engine, pool)
+    log_n, choice = _costs(engine, remainder.pool)
     score = float(log_kernel(named.residual, named.nu)) - 0.5 * _prior(named)
     target = 2.0 * score - extra * log_n
-    begun, path = _climb(bare, own_pool, MOST_INSTEAD)
+    begun, path = _climb(bare, pool, MOST_INSTEAD)
     instead = [
         2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
     ]
-    besides = _or_jumps(_best_beside(engine, named, pool), engine, fit, effects)
-    explained = evidence_of(fit, parent, engine.count)
     loose = any(registry()[name].scan for name in effects) or any(
         s.prepared.recording.command is None for s in engine.simulators
     )
-    return Contest(*_best(instead, path, own_pool), *besides, explained, loose)
-
-
-def beside(engine: Engine, fit: Fit) -> float:
-    """Return the evidence of the best un-named forms beside a fit: what it leaves, as laws see it, not score tests."""
-    return _best_beside(engine, *_linearised(engine, fit))[0]
-
-
-def _best_beside(engine: Engine, named: Linear, pool: Pool) -> tuple[float, tuple[str, ...]]:
-    log_n, choice = _costs(engine, pool)
-    _, path = _climb(named, pool, MOST_BESIDE)
-    return _best([2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(path)], path, pool)
+    return Contest(
+        *_best(instead, path, pool),
+        *remainder.beside_of(effects),
+        evidence_of(fit, parent, engine.count),
+        loose,
+    )
 
 
 def _costs(engine: Engine, pool: Pool) -> tuple[float, float]:
     """Return what a number costs and what a choice among the forms does."""
     return float(np.log(engine.count)), 2.0 * float(np.log(len(pool.quantities)))
-
-
-def _or_jumps(
-    best: tuple[float, tuple[str, ...]], engine: Engine, fit: Fit, effects: Sequence[str]
-) -> tuple[float, tuple[str, ...]]:
-    """Return the best forms, or jumps of the measured pose at a place where these say more."""
-    if any(registry()[name].jumps for name in effects):  # their own edges are exact to a frame only
-        return best
-    jumps = jump_evidence([s.prepared for s in engine.simulators], fit.simulated, engine.count)
-    return (jumps, (JUMPS,)) if jumps > best[0] else best
 
 
 def _linearised(engine: Engine, fit: Fit) -> tuple[Linear, Pool]:

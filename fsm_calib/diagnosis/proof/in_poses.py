@@ -17,7 +17,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.proof.form_test import contest
+from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gates import Gates, adequacy
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.replay.situation import situations_of
@@ -34,7 +34,7 @@ def shown_in_poses(simulators: Sequence[Simulator], gates: Gates) -> bool:
         return True
     engine = Engine(tuple(without_encoders(s) for s in simulators))
     base = fit_base(engine)
-    if contest(engine, base, base, []).beside > gates.nameless:
+    if Remainder.of(engine, base).beside_of(())[0] > gates.nameless:
         return True
     groups = feature_groups(situations_of(engine.simulators, base.values))
     left = adequacy(left_over(engine, base, groups), 0.0)

@@ -15,7 +15,7 @@ from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.diagnosis.proof.form_test import contest
+from fsm_calib.diagnosis.proof.form_test import Remainder, contest
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, adequacy
 from fsm_calib.diagnosis.proof.in_poses import shown_in_poses
 from fsm_calib.diagnosis.replay.simulator import Simulator
@@ -23,11 +23,11 @@ from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
 from fsm_calib.diagnosis.shapes.locate import SIGNIFICANT, Location, locate
 from fsm_calib.diagnosis.shapes.score_tests import left_over
+from fsm_calib.diagnosis.verdict.cross_examined import supports_of
 from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.diagnosis.verdict.model import Model
 from fsm_calib.diagnosis.verdict.posterior import Belief, belief_of
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
-from fsm_calib.diagnosis.verdict.support import supports_of
 from fsm_calib.world2d.effects import Effect
 
 Progress = Callable[[str], None]
@@ -139,14 +139,14 @@ class Judge:
             tests = tuple(left_over(self.engine, fit, groups))
         self.progress("how sure")
         with self.part("support"):
-            supports = supports_of(self.engine, selection)
+            supports = supports_of(self.engine, selection, self.gates.least_confidence)
         left = adequacy(tests, max(s.added.evidence for s in supports))
         beliefs = tuple(map(belief_of, supports))
         return Model(selection.effects, fit, left, tests, supports[0].forms, supports, beliefs)
 
     def _bare(self, base: Fit, location: Location) -> Model:
         """Return the base robot alone with what it leaves, and how forms do beside it."""
-        against = contest(self.engine, base, base, [])
+        against = contest(Remainder.of(self.engine, base), base, [])
         return Model((), base, adequacy(location.tests, 0.0), tuple(location.tests), against)
 
     def _without_name(

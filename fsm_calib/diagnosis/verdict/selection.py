@@ -3,11 +3,11 @@
 Forward selection with backward elimination (Efroymson 1960; Miller, Subset Selection in Regression, 2nd ed. 2002,
 sections 3.2 to 3.4) over the catalogue: on top of the model so far every effect is fitted, the one with the largest
 evidence joins, earlier ones are asked again whether a rival does better beside it (what led alone may have stood in
-for a sum) and whether they are still needed. It ends where neither the score tests nor forms without a name find anything left, or where nothing in
-the catalogue has evidence enough. (None of 34 right models of two independent generators leaves a surprise above 3.3
-but for the edges of places, those that lack an effect leave 7 to 59; where the noise was fitted with the remainder in
-it, forms see what the tests do not.) Places and moments are sought again only where the
-tests of places or of time find something, or where they had evidence of their own before.
+for a sum) and whether they are still needed. It ends where neither the score tests nor forms without a name find
+anything left, or where nothing in the catalogue has evidence enough. (None of 34 right models of two independent
+generators leaves a surprise above 3.3 but for the edges of places, those that lack an effect leave 7 to 59; where the
+noise was fitted with the remainder in it, forms see what the tests do not.) Places and moments are sought again only
+where the tests of places or of time find something, or where they had evidence of their own before.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of, po
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off
-from fsm_calib.diagnosis.proof.form_test import beside
+from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_plausible, stands_out
 from fsm_calib.diagnosis.replay.situation import situations_of
@@ -174,7 +174,7 @@ class Selector:
         """Return the effects that what is left could be; none where nothing is left, neither to tests nor to forms."""
         groups = feature_groups(situations_of(self.engine.simulators, selection.fit.values))
         left = [t for t in left_over(self.engine, selection.fit, groups) if t.surprise > self.curious]
-        if not left and beside(self.engine, selection.fit) <= self.needed:
+        if not left and Remainder.of(self.engine, selection.fit).beside <= self.needed:
             return []
         regimes = {t.group.regime for t in left}
         named = {e.name for e in selection.effects}

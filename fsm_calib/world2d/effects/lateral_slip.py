@@ -1,25 +1,28 @@
 r"""The tyres yield sideways: in a curve the robot drifts outwards.
 
     S = l / (1/k + compliance')         compliance' = 2 compliance / m
+    drift = -at_once v omega
 
 S [N] side force of a tyre, l [m/s] sideways speed, k [N s/m] its stiffness, m [kg] the robot's mass,
 compliance [s]: sideways speed over sideways acceleration that is added, so that l = -(base + compliance) v
-omega in a steady curve. Source: slip velocities of Seegmiller & Kelly, Robotics: Science and Systems 2014
-(lateral slip proportional to centripetal acceleration).
+omega in a steady curve, which the robot's mass reaches with the time constant compliance. at_once [s]: the same drift
+without the delay, where body or axle lean outwards and no mass has to be moved. Source: slip velocities of Seegmiller &
+Kelly, Robotics: Science and Systems 2014 (lateral slip proportional to centripetal acceleration, kinematic there).
 """
 
 from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.slots import MASS, SIDE_COMPLIANCE
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.slots import MASS, OMEGA, SIDE_COMPLIANCE, SIDE_DRIFT, V
 
 
 @njit(error_model="numpy")
 def yield_sideways(P, o, S, m, W):
-    """Add the compliance to both tyres."""
+    """Add the compliance to both tyres, and what they drift at once."""
     W[SIDE_COMPLIANCE] += 2.0 * P[o] / W[MASS]
+    W[SIDE_DRIFT] -= P[o + 1] * S[V] * S[OMEGA]
 
 
 EFFECT = Effect(
@@ -29,6 +32,7 @@ EFFECT = Effect(
     equation="l = -compliance v omega",
     parameters=(
         Parameter("compliance", "K_y", "s", 0.0, 0.0, 0.3, 0.015, "0.005 to 0.02 s", starts=(0.01, 0.03)),
+        Parameter("at_once", "K_0", "s", 0.0, 0.0, 0.3, 0.015, "as compliance"),
     ),
     hooks={"step": yield_sideways},
     channels=("lateral",),
@@ -38,6 +42,15 @@ EFFECT = Effect(
     manoeuvre="arcs both ways at three speeds",
     sentence="In curves the robot drifts outwards by {compliance} times its centripetal acceleration.",
     source="Seegmiller & Kelly 2014",
+    closures=(
+        Closure("yielding tyres", ("compliance",), "side forces bend the tyres"),
+        Closure(
+            "at once",
+            ("at_once",),
+            "it drifts as it turns, without delay",
+            sentence="In curves the robot drifts outwards by {at_once} times its centripetal acceleration, at once.",
+        ),
+    ),
     order=77,
     dissipative=True,
 )

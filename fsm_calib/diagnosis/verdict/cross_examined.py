@@ -1,0 +1,99 @@
+"""Every effect of a model is cross-examined: forms in its place, rivals beside the others, one law in all drives.
+
+What forms say of an effect comes first. Where that alone leaves too little for a name, nothing else is asked: rivals
+and drives could only take more of it away. The strongest effect is always asked, since a verdict without a name still
+says what comes nearest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from fsm_calib.diagnosis.candidates.hypotheses import Start
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.proof.form_test import Remainder, contest
+from fsm_calib.diagnosis.proof.gap import gap_between
+from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
+from fsm_calib.diagnosis.verdict.posterior import belief_of
+from fsm_calib.diagnosis.verdict.selection import Selection
+from fsm_calib.diagnosis.verdict.support import RivalGap, Support
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
+
+TRIED_AGAIN = 3  # names that are fitted in an effect's place beside the others
+WORTH_ASKING = 0.3  # of the effect's evidence: a name that had less of it alone is no rival
+
+
+def supports_of(engine: Engine, selection: Selection, least: float) -> tuple[Support, ...]:
+    """Return the support of every effect of a selection, in its order.
+
+    least : probability that a name must have to be said.
+    """
+    remainder = Remainder.of(engine, selection.fit)
+    found = []
+    for effect, less in zip(selection.effects, selection.dropped, strict=True):
+        support = _by_forms(remainder, effect, less)
+        if not found or belief_of(support).probability >= least:
+            support = _examined(engine, selection, support)
+        found.append(support)
+    return tuple(found)
+
+
+def _by_forms(remainder: Remainder, effect: Ranked, less: Fit) -> Support:
+    """Return what forms say of an effect; its rivals and its drives are not asked yet."""
+    added = gap_between(remainder.engine, remainder.fit, less)
+    return Support(effect, less, added, (), OneLaw(math.nan, ()), contest(remainder, less, [effect.name]))
+
+
+def _examined(engine: Engine, selection: Selection, support: Support) -> Support:
+    """Return the support with its rivals, and with how much of it is one law."""
+    fit, effect, less = selection.fit, support.effect, support.without
+    rivals = [
+        RivalGap(r.name, gap_between(engine, fit, r.fit), r.fit)
+        for r in _in_its_place(engine, selection, effect, less)
+    ]
+    if effect.name == _led_by(selection):
+        company = [RivalGap(r.name, gap_between(engine, fit, other), other) for r, other in selection.beside]
+        said = {r.name for r in company}
+        rivals = [r for r in rivals if r.name not in said] + company
+    ordered = tuple(sorted(rivals, key=lambda rival: rival.gap.evidence))
+    return replace(support, rivals=ordered, law=one_law(engine, less, fit, effect.name))
+
+
+def _led_by(selection: Selection) -> str:
+    """Return the name of the effect that led the first ranking, or of the strongest where that one has gone."""
+    names = [e.name for e in selection.effects]
+    led = selection.rankings[0][0].name
+    return led if led in names else names[0]
+
+
+def _in_its_place(engine: Engine, selection: Selection, effect: Ranked, less: Fit) -> Sequence[Ranked]:
+    """Return other names fitted on top of the model without the effect, from scratch and from where each was alone."""
+    named = {e.name for e in selection.effects}
+    if len(selection.effects) == 1:
+        return [r for r in selection.rankings[0] if r.name not in named and r.evidence > 0.0]
+    worth = WORTH_ASKING * min(effect.evidence, selection.rankings[0][0].evidence)
+    best: dict[str, Ranked] = {}
+    for ranked in (r for ranking in selection.rankings for r in ranking if r.name not in named):
+        if ranked.name not in best or ranked.evidence > best[ranked.name].evidence:
+            best[ranked.name] = ranked
+    asked = sorted((r for r in best.values() if r.evidence > worth), key=lambda r: -r.evidence)[:TRIED_AGAIN]
+    bank, tried = Bank.on(engine, less), []
+    for rival in asked:
+        found = [bank.fit(rival.hypothesis, Start(_moved_in(less, rival), 0.0))]
+        if not registry()[rival.name].scan:  # a place or a moment is known from where it was alone
+            found += [r for r in [bank.best_of(registry()[rival.name])] if r is not None]
+        tried.append(max(found, key=lambda r: r.fit.score))
+    return [r for r in tried if r.evidence > 0.0]
+
+
+def _moved_in(less: Fit, rival: Ranked) -> FloatArray:
+    """Return the parameters (R, p) of a model with a rival's own numbers as another fit has them."""
+    table, values = parameter_table(), less.values.copy()
+    own = list(table.of_effect(rival.name))
+    values[:, own] = rival.fit.values[:, own]
+    return values
