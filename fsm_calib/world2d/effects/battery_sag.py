@@ -1,13 +1,16 @@
-r"""The supply sags: with the charge that was drawn, and at once with the load.
+r"""The supply sags: with the charge that was drawn, at once with the load, and slowly with a load that lasts.
 
-    T = K u (1 - per_charge Q - per_load (|u_l| + |u_r|)),    dQ/dt = |u_l| + |u_r|
+    T = K u (1 - per_charge Q - per_load I - polarised I_R)
+    I = |u_l| + |u_r|,    dQ/dt = I,    dI_R/dt = (I - I_R) / relaxation
 
-T [m/s] no-load rim speed, K [m/s] gain, u [1] commands, Q [s] seconds of full command drawn by both motors
-since the start of the recording, per_charge [1/s], per_load [1]. Both wheels alike. Source: Thevenin cell,
-e.g. Plett, Battery Management Systems I, 2015, section 2.2.
+T [m/s] no-load rim speed, K [m/s] gain, u [1] commands, Q [s] seconds of full command drawn by both motors since the
+start of the recording, per_charge [1/s], per_load [1], polarised [1] with its time constant relaxation [s]. Both wheels
+alike. Source: Thevenin cell with one RC branch, e.g. Plett, Battery Management Systems I, 2015, sections 2.2 and 2.3.
 """
 
 from __future__ import annotations
+
+import math
 
 from numba import njit
 
@@ -17,10 +20,14 @@ from fsm_calib.world2d.slots import COMMAND, STEP, TARGET
 
 @njit(error_model="numpy")
 def sag(P, o, S, m, W):
-    """Lower both targets and count the charge."""
+    """Lower both targets, count the charge, and let the cell polarise."""
     load = abs(W[COMMAND]) + abs(W[COMMAND + 1])
-    factor = max(1.0 - P[o] * (S[m] + 0.5 * load * W[STEP]) - P[o + 1] * load, 0.0)
+    share = -math.expm1(-W[STEP] / P[o + 3])
+    lasting = S[m + 1] + 0.5 * share * (load - S[m + 1])
+    dip = P[o] * (S[m] + 0.5 * load * W[STEP]) + P[o + 1] * load + P[o + 2] * lasting
+    factor = max(1.0 - dip, 0.0)
     S[m] += load * W[STEP]
+    S[m + 1] += share * (load - S[m + 1])
     W[TARGET] *= factor
     W[TARGET + 1] *= factor
 
@@ -43,6 +50,21 @@ EFFECT = Effect(
             starts=(0.004,),
         ),
         Parameter("per_load", "rho", "1", 0.0, -0.1, 0.3, 0.03, "1 to 5 % at full load", starts=(0.05,)),
+        Parameter(
+            "polarised", "rho_R", "1", 0.0, -0.1, 0.3, 0.03, "as much again as per_load", starts=(0.05,)
+        ),
+        Parameter(
+            "relaxation",
+            "tau_R",
+            "s",
+            10.0,
+            1.0,
+            120.0,
+            10.0,
+            "seconds to a minute",
+            strength=False,
+            starts=(4.0, 15.0),
+        ),
     ),
     hooks={"step": sag},
     channels=("forward", "turn"),
@@ -56,7 +78,13 @@ EFFECT = Effect(
     closures=(
         Closure("charge alone", ("per_charge",), "the voltage falls with the charge drawn"),
         Closure("charge and load", ("per_charge", "per_load"), "and dips while both motors draw"),
+        Closure(
+            "load that lasts",
+            ("per_load", "polarised", "relaxation"),
+            "dips at once and goes on dipping for a while, and comes back",
+            sentence="A load takes {per_load} of the supply's strength at once and {polarised} within {relaxation}.",
+        ),
     ),
-    memory=1,
+    memory=2,
     order=50,
 )
