@@ -34,7 +34,7 @@ def supports_of(engine: Engine, selection: Selection, least: float) -> tuple[Sup
     least : probability that a name must have to be said.
     """
     remainder = Remainder.of(engine, selection.fit)
-    found = []
+    found: list[Support] = []
     for effect, less in zip(selection.effects, selection.dropped, strict=True):
         support = _by_forms(remainder, effect, less)
         if not found or belief_of(support).probability >= least:

@@ -15,7 +15,6 @@ from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.diagnosis.proof.form_test import Remainder, contest
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, adequacy
 from fsm_calib.diagnosis.proof.in_poses import shown_in_poses
 from fsm_calib.diagnosis.replay.simulator import Simulator
@@ -25,7 +24,7 @@ from fsm_calib.diagnosis.shapes.locate import SIGNIFICANT, Location, locate
 from fsm_calib.diagnosis.shapes.score_tests import left_over
 from fsm_calib.diagnosis.verdict.cross_examined import supports_of
 from fsm_calib.diagnosis.verdict.event_times import dated
-from fsm_calib.diagnosis.verdict.model import Model
+from fsm_calib.diagnosis.verdict.model import Model, bare_model
 from fsm_calib.diagnosis.verdict.posterior import Belief, belief_of
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.world2d.effects import Effect
@@ -83,7 +82,7 @@ class Judge:
             return decision
         model = decision.model
         if model.effects:
-            model = self._bare(decision.base, decision.location)
+            model = bare_model(self.engine, decision.base, decision.location)
         reason = (
             f"the poses agree with the re-fitted base robot, the encoders alone differ: {decision.reason}"
         )
@@ -144,17 +143,12 @@ class Judge:
         beliefs = tuple(map(belief_of, supports))
         return Model(selection.effects, fit, left, tests, supports[0].forms, supports, beliefs)
 
-    def _bare(self, base: Fit, location: Location) -> Model:
-        """Return the base robot alone with what it leaves, and how forms do beside it."""
-        against = contest(Remainder.of(self.engine, base), base, [])
-        return Model((), base, adequacy(location.tests, 0.0), tuple(location.tests), against)
-
     def _without_name(
         self, base: Fit, ranking: tuple[Ranked, ...], location: Location, bank: Bank
     ) -> Decision:
         """No effect is detected: a match, or a mismatch that nothing in the catalogue resembles."""
         with self.part("left over"):
-            plain = self._bare(base, location)
+            plain = bare_model(self.engine, base, location)
         left, against = plain.adequacy, plain.contest
         outcome: Outcome = "match"
         reason = "the re-fitted base robot explains the recordings to within their noise"

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fsm_calib.diagnosis.candidates.ranking import Ranked
-from fsm_calib.diagnosis.fitting.fit import Fit
-from fsm_calib.diagnosis.proof.form_test import Contest
-from fsm_calib.diagnosis.proof.gates import Adequacy
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.proof.form_test import Contest, Remainder, contest
+from fsm_calib.diagnosis.proof.gates import Adequacy, adequacy
+from fsm_calib.diagnosis.shapes.locate import Location
 from fsm_calib.diagnosis.shapes.score_tests import LeftOver
 from fsm_calib.diagnosis.verdict.posterior import Belief
 from fsm_calib.diagnosis.verdict.support import Support
@@ -32,3 +33,9 @@ class Model:
     def named(self, least: float) -> tuple[Belief, ...]:
         """Return the beliefs in names that are at least so probable."""
         return tuple(b for b in self.beliefs if b.probability >= least)
+
+
+def bare_model(engine: Engine, base: Fit, location: Location) -> Model:
+    """Return the base robot alone as a model, with what it leaves and how forms do beside it."""
+    against = contest(Remainder.of(engine, base), base, [])
+    return Model((), base, adequacy(location.tests, 0.0), tuple(location.tests), against)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.proof.heldout import Comparison
 from fsm_calib.diagnosis.proof.holds import Breach, breach_of
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.shapes.locate import Location
 from fsm_calib.diagnosis.verdict.decide import Decision
-from fsm_calib.diagnosis.verdict.model import Model
+from fsm_calib.diagnosis.verdict.model import bare_model
 
 WORSE = 1.1  # times the base robot's error over the horizon in one channel, with the other no better: that is no cure
 
@@ -62,14 +61,8 @@ def _unless_worse(decision: Decision, seen: Comparison) -> Decision:
         f"{names} would be named, but with it the errors on the held-out recordings rise from {scale * before:.3g} to "
         f"{scale * after:.3g} {unit}: what it explains there is something else"
     )
-    return replace(
-        decision, outcome="unexplained", reason=reason, named=(), model=_bare(decision, decision.base)
-    )
-
-
-def _bare(decision: Decision, base: Fit) -> Model:
-    """Return the base robot alone as a model; what was measured of the effects stands in the reason."""
-    return replace(decision.model, effects=(), fit=base, supports=(), beliefs=())
+    model = bare_model(decision.engine, decision.base, decision.location)
+    return replace(decision, outcome="unexplained", reason=reason, named=(), model=model)
 
 
 def _located(location: Location, breach: Breach) -> Location:

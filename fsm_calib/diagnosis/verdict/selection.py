@@ -164,7 +164,7 @@ class Selector:
         if not found or found[0].evidence < wanted:
             return None
         effects, fit = self._swapped((*selection.effects, found[0]), found[0].fit, rankings)
-        return self._pruned(effects, fit, rankings, wanted, sparing=True)
+        return self._pruned(effects, fit, rankings, wanted, SURELY_NEEDED * wanted)
 
     def _wanted(self, selection: Selection) -> float:
         """Return the evidence that a further effect must have."""
@@ -211,33 +211,35 @@ class Selector:
         fit: Fit,
         rankings: tuple[tuple[Ranked, ...], ...],
         wanted: float,
-        sparing: bool = False,
+        sure_from: float = np.inf,
     ) -> Selection:
         """Take out, least missed first, what the others do without; the rest with what each adds to the others.
 
-        sparing : what stands out by its own deviation is not taken out to see; it has its evidence from that, and
-        nothing in `dropped`.
+        sure_from : evidence by its own deviation (Wald) from which an effect is not taken out to see; that is its
+        evidence then, and the whole fit stands in `dropped` for it.
         """
         while True:
-            sure = [_own_evidence(fit, e.name) if sparing else 0.0 for e in effects]
-            sparing_of = [own > SURELY_NEEDED * wanted for own in sure]
-            dropped = [
-                fit if spared else self.without(fit, e.name) if len(effects) > 1 else self.base
-                for e, spared in zip(effects, sparing_of, strict=True)
-            ]
-            added = [
-                own if spared else evidence_of(fit, less, self.engine.count)
-                for own, less, spared in zip(sure, dropped, sparing_of, strict=True)
-            ]
-            least = int(np.argmin(added))
-            if len(effects) == 1 or added[least] >= wanted:
+            missed = [self._missed(effects, fit, effect, sure_from) for effect in effects]
+            least = int(np.argmin([evidence for evidence, _ in missed]))
+            if len(effects) == 1 or missed[least][0] >= wanted:
                 break
-            effects, fit = effects[:least] + effects[least + 1 :], dropped[least]
-        order = np.argsort(added)[::-1]
+            effects, fit = effects[:least] + effects[least + 1 :], missed[least][1]
+        order = np.argsort([evidence for evidence, _ in missed])[::-1]
         ranked = tuple(
-            replace(effects[i], fit=fit, evidence=added[i], gain=fit.score - dropped[i].score) for i in order
+            replace(effects[i], fit=fit, evidence=missed[i][0], gain=fit.score - missed[i][1].score)
+            for i in order
         )
-        return Selection(ranked, fit, rankings, tuple(dropped[i] for i in order))
+        return Selection(ranked, fit, rankings, tuple(missed[i][1] for i in order))
+
+    def _missed(
+        self, effects: Sequence[Ranked], fit: Fit, effect: Ranked, sure_from: float
+    ) -> tuple[float, Fit]:
+        """Return what an effect adds to the others, and the fit without it."""
+        own = _own_evidence(fit, effect.name) if sure_from < np.inf else 0.0
+        if own > sure_from:
+            return own, fit
+        less = self.without(fit, effect.name) if len(effects) > 1 else self.base
+        return evidence_of(fit, less, self.engine.count), less
 
     def weighed(self, selection: Selection, wanted: float) -> Selection:
         """Return the selection with each effect taken out in turn, all others re-fitted."""
