@@ -45,8 +45,8 @@ class Contest:
     """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
 
     explained : evidence of the name over the base robot; kept : the share of it that is left where the best forms
-    beside the name are in both models: a remainder of another kind takes nothing away; loose : no exact equation can be had (a place, a moment, a
-    robot that turns velocities into wheel commands by a controller of its own).
+    beside the name are in both models: a remainder of another kind takes nothing away; loose : no exact equation can be
+    had (a place, a moment, a robot that turns velocities into wheel commands by a controller of its own).
     """
 
     instead: float
