@@ -51,7 +51,7 @@ EFFECT = Effect(
         ),
         Parameter("per_load", "rho", "1", 0.0, -0.1, 0.3, 0.03, "1 to 5 % at full load", starts=(0.05,)),
         Parameter(
-            "polarised", "rho_R", "1", 0.0, -0.1, 0.3, 0.03, "as much again as per_load", starts=(0.05,)
+            "polarised", "rho_R", "1", 0.0, -0.1, 0.3, 0.0, "as much again as per_load", starts=(0.05,)
         ),
         Parameter(
             "relaxation",

@@ -32,7 +32,7 @@ EFFECT = Effect(
     equation="l = -compliance v omega",
     parameters=(
         Parameter("compliance", "K_y", "s", 0.0, 0.0, 0.3, 0.015, "0.005 to 0.02 s", starts=(0.01, 0.03)),
-        Parameter("at_once", "K_0", "s", 0.0, 0.0, 0.3, 0.015, "as compliance"),
+        Parameter("at_once", "K_0", "s", 0.0, 0.0, 0.3, 0.0, "as compliance", starts=(0.015,)),
     ),
     hooks={"step": yield_sideways},
     channels=("lateral",),
