@@ -120,7 +120,7 @@ def validate(
     machines: MachinesOption = None,
 ) -> None:
     """Check a scenario, a study, a manifest or a machine: every error at once, each with file:line:column."""
-    from fsm_calib.commands.manifests import is_manifest, validate_manifest_command
+    from fsm_calib.commands.manifests import is_recording, validate_manifest_command
     from fsm_calib.scenario.load import scenario_from
     from fsm_calib.scenario.yaml_source import read_yaml
     from fsm_calib.shipped import scenario_path
@@ -133,7 +133,7 @@ def validate(
         raise InputError("nothing to check", cure="Give a scenario or study file, or --machines FILE.py.")
     if scenario is None:
         return
-    if is_manifest(scenario):
+    if is_recording(scenario):
         validate_manifest_command(scenario)
         return
     document = read_yaml(scenario_path(scenario))

@@ -79,6 +79,12 @@ def test_a_table_of_unknown_columns_is_refused_with_the_cure(tmp_path):
         ),
         (["t_ms", "gyro_z_degps"], "yaw_rate", {"unit": "deg/s", "time_unit": 1e-3}),
         (["t", "u_left", "u_right"], "command", {"left": "u_left", "unit": "normalized"}),
+        (["timestamp_ms", "rpm_left", "rpm_right"], "wheel_rate", {"left": "rpm_left", "unit": "rpm"}),
+        (
+            ["Time", "Linear velocity", "Angular velocity [deg/s]"],
+            "command",
+            {"v": "Linear velocity", "unit": "twist", "angle_unit": "deg"},
+        ),
     ],
 )
 def test_columns_are_known_by_name_and_unit(header, channel, section):
@@ -108,3 +114,19 @@ def test_validate_tells_every_mistake_of_a_manifest_with_its_place(tmp_path):
 def test_the_schema_of_manifests_is_printed():
     plain = json.loads(run("schema", "--recording").stdout)
     assert {"Manifest", "BagManifest"} <= plain["$defs"].keys()
+
+
+def test_a_table_of_unknown_columns_beside_a_known_one_is_said_to_be_unknown(tmp_path):
+    (tmp_path / "mocap.csv").write_text(MOCAP)
+    (tmp_path / "log.csv").write_text("when,what\n1,2\n")
+    assert run("recording", "init", tmp_path / "mocap.csv", tmp_path / "log.csv").exit_code == 0
+    assert '# command: {file: "log.csv"' in (tmp_path / "mocap.recording.yaml").read_text()
+
+
+def test_a_bare_table_is_told_how_it_becomes_a_recording(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text(WHEELS)
+    for command in ("identify", "diagnose", "validate"):
+        ran = run(command, path)
+        assert ran.exit_code == 2
+        assert "fsm-calib recording init" in ran.stderr

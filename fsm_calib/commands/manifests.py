@@ -42,6 +42,13 @@ def init_command(
     typer.echo(f"written to {target}; look it through, then: fsm-calib validate {target}", err=True)
 
 
+def is_recording(path: Path) -> bool:
+    """Return whether a file is a recording's: a manifest by its first lines, a bag or a table by its name."""
+    from fsm_calib.recording.read import BAG_SUFFIXES, is_table
+
+    return is_manifest(path) or (path.is_file() and (path.suffix in BAG_SUFFIXES or is_table(path)))
+
+
 def is_manifest(path: Path) -> bool:
     """Return whether a file says that it is a recording's manifest."""
     try:

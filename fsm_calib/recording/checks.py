@@ -91,7 +91,7 @@ def _refuse_impossible(recording: Recording, odd: list[Finding], sources: Mappin
             raise InputError(
                 f"a normalized command of {float(size.max()):g} lies far beyond -1 to 1",
                 where=sources["command"].where(int(np.argmax(size))),
-                cure="Are columns swapped, or is the unit rad/s?",
+                cure="Are columns swapped? Wheel rates have unit: rad/s or rpm; measured ones are a wheel_rate.",
             )
     for finding in odd:
         if finding.kind in REFUSED:

@@ -1,6 +1,7 @@
 """Which columns of a table are which channel, guessed from their names: the first draft of a manifest.
 
-Names are compared without case and marks; a unit behind a name (``x_mm``, ``left [rpm]``) is taken for the channel's.
+Names are compared without case and marks; a unit behind a name (``x_mm``, ``left [rpm]``), or one like rpm ahead of it,
+is taken for the channel's.
 """
 
 from __future__ import annotations
@@ -21,17 +22,53 @@ TIMES = (
     "rostime",
     "headerstamp",
     "date",
+    "ts",
+    "epoch",
+    "unixtime",
+    "elapsed",
+    "elapsedtime",
 )
+LINEAR = (
+    "linearvelocity", "linearspeed", "velocity", "linvel", "linearvel", "forwardvelocity", "forwardspeed",
+    "cmdvellinearx",
+)  # fmt: skip
+ANGULAR = (
+    "angularvelocity", "angularspeed", "angvel", "angularvel", "turnrate", "rotationalvelocity", "cmdvelangularz",
+)  # fmt: skip
 QUANTITIES: dict[str, tuple[str, ...]] = {
-    "x": ("x", "posx", "px", "positionx", "posepositionx", "poseposepositionx", "xpos"),
-    "y": ("y", "posy", "py", "positiony", "posepositiony", "poseposepositiony", "ypos"),
-    "theta": ("theta", "yaw", "heading", "psi", "th", "angle", "orientation", "phi", "h"),
+    "x": ("x", "posx", "px", "positionx", "posepositionx", "poseposepositionx", "xpos", "xposition"),
+    "y": ("y", "posy", "py", "positiony", "posepositiony", "poseposepositiony", "ypos", "yposition"),
+    "theta": (
+        "theta",
+        "yaw",
+        "heading",
+        "psi",
+        "th",
+        "angle",
+        "orientation",
+        "phi",
+        "h",
+        "bearing",
+        "rotation",
+    ),
     "qx": ("qx", "orientationx", "poseorientationx", "quatx", "qux"),
     "qy": ("qy", "orientationy", "poseorientationy", "quaty"),
     "qz": ("qz", "orientationz", "poseorientationz", "quatz"),
     "qw": ("qw", "orientationw", "poseorientationw", "quatw"),
-    "v": ("v", "linearx", "linx", "vx", "twistlinearx", "speed", "linear", "vlin", "cmdv"),
-    "omega": ("omega", "w", "angularz", "angz", "wz", "twistangularz", "angular", "vang", "cmdomega", "turn"),
+    "v": ("v", "linearx", "linx", "vx", "twistlinearx", "speed", "linear", "vlin", "cmdv", *LINEAR),
+    "omega": (
+        "omega",
+        "w",
+        "angularz",
+        "angz",
+        "wz",
+        "twistangularz",
+        "angular",
+        "vang",
+        "cmdomega",
+        "turn",
+        *ANGULAR,
+    ),
     "value": ("yawrate", "gyroz", "gz", "gyro", "angularvelocityz", "imuangz", "wzimu"),
     "state": ("state", "mode", "phase"),
 }
@@ -40,6 +77,8 @@ UNITS = {
     "s": "s", "ms": "ms", "us": "us", "ns": "ns", "radps": "rad/s", "rads": "rad/s", "degps": "deg/s", "mps": "m/s",
     "ms1": "m/s", "ticks": "tick", "tick": "tick", "counts": "tick", "mmps": "mm/s", "rads1": "rad/s",
 }  # fmt: skip
+LEADING = ("rpm", "ticks", "tick", "counts", "deg")
+"""Units that people write ahead of a name: ``rpm_left``."""
 SECONDS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 METRES = {"mm": 1e-3, "cm": 1e-2, "mm/s": 1e-3}
 
@@ -55,11 +94,13 @@ class Guess:
 
 def plain(name: str) -> tuple[str, str]:
     """Return a column's name without marks and unit, and the unit; empty where it names none."""
-    words = [
-        w for w in re.split(r"[^a-z0-9]+", name.lower().replace("rad/s", "radps").replace("m/s", "mps")) if w
-    ]
-    unit = UNITS.get(words[-1], "") if len(words) > 1 else ""
-    return "".join(words[:-1] if unit else words), unit
+    words = [w for w in re.split(r"[^a-z0-9]+", re.sub(r"(rad|deg|mm|m)/s\b", r"\1ps", name.lower())) if w]
+    if len(words) < 2:
+        return "".join(words), ""
+    if unit := UNITS.get(words[-1], ""):
+        return "".join(words[:-1]), unit
+    unit = UNITS[words[0]] if words[0] in LEADING else ""
+    return "".join(words[1:] if unit else words), unit
 
 
 def guessed(file: str, header: Sequence[str]) -> list[Guess]:
@@ -80,10 +121,6 @@ def guessed(file: str, header: Sequence[str]) -> list[Guess]:
     }
     units = {name: unit for name, (_, unit) in named.items()}
     return list(_channels(base, found, sides, units))
-
-
-def _of_side(side: str, header: Sequence[str], named: dict[str, tuple[str, str]]) -> str | None:
-    return next((n for n in header if side in n.lower() or named[n][0] in (side[0], f"u{side[0]}")), None)
 
 
 def _channels(

@@ -20,6 +20,13 @@ ROBOT = """robot:
 """
 
 
+UNKNOWN = (
+    "  # no time or no column known by its name; if it holds the commands:\n"
+    "  # command: {{file: {file}, time: COLUMN, v: COLUMN, omega: COLUMN, unit: twist}}"
+)
+"""What a draft says of a table of which it can make nothing."""
+
+
 def draft_of_tables(paths: Sequence[Path], beside: Path) -> str:
     """Return a manifest of CSV files whose names count from the folder `beside`.
 
@@ -33,9 +40,11 @@ def draft_of_tables(paths: Sequence[Path], beside: Path) -> str:
         header = header_of(path)
         file = str(path.relative_to(beside)) if path.is_relative_to(beside) else str(path.resolve())
         lines.append(f"  # {file}: {', '.join(header)}")
-        for guess in guessed(file, header):
+        guesses = guessed(file, header)
+        for guess in guesses:
             lines += _section(guess, comment=guess.channel in seen)
             seen.add(guess.channel)
+        lines += [] if guesses else [UNKNOWN.format(file=_quoted(file))]
     if not seen:
         raise InputError(
             "no column is known by its name; a table needs a time and x, y, or left, right, or v, omega",

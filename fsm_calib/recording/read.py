@@ -19,6 +19,7 @@ MANIFEST_SUFFIXES = (".yaml", ".yml")
 BAG_SUFFIXES = (".bag", ".mcap", ".db3")
 MANIFEST_NAME = "recording.yaml"
 MANIFEST_END = ".recording.yaml"
+TABLES = "A table needs a manifest that says what its columns are: fsm-calib recording init FILE.csv... writes one."
 
 
 def read_recording(path: str | Path, tag_map: str | Path | None = None, named: Named = NOTHING) -> Recording:
@@ -56,9 +57,17 @@ def read_recording(path: str | Path, tag_map: str | Path | None = None, named: N
         from fsm_calib.recording.bags import read_bag
 
         return read_bag(path, _tags(tag_map), named)
+    cure = TABLES if is_table(path) else ""
     raise InputError(
-        "not a recording: expected a manifest (.yaml), a .bag, a .mcap or a bag folder", where=str(path)
+        "not a recording: expected a manifest (.yaml), a .bag, a .mcap or a bag folder",
+        where=str(path),
+        cure=cure,
     )
+
+
+def is_table(path: Path) -> bool:
+    """Return whether a file is a table by its name: numbers, of which only a manifest says what they are."""
+    return path.name.lower().removesuffix(".gz").endswith((".csv", ".tsv", ".txt"))
 
 
 def _tags(tag_map: str | Path | None) -> TagMap | None:

@@ -3,7 +3,7 @@
 A row of the channel is one number with one stamp, and three things are logged in this form:
 
 - ``start``: the mean until the next row, or a set-point that holds until then (so it is with a `duration`);
-- ``middle``: a sample of the rate at the stamp;
+- ``middle``: a sample of the rate at the stamp, or a central difference about it;
 - ``end``: the mean since the row before: a driver's difference of two encoder counts, known only afterwards.
 
 Read as the wrong one, the wheels come half an interval early or late, or a whole one.
@@ -12,30 +12,22 @@ Read as the wrong one, the wheels come half an interval early or late, or a whol
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from fsm_calib.recording.channels import WheelPair
 from fsm_calib.types import FloatArray
 
-PARTS = 4  # into which the time between two samples is cut: motors answer within one or two such times
-
 
 def held(pair: WheelPair) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return times [s] and the rates of both wheels that hold from each until the next, shape (m,).
+    """Return times [s] and the rates of both wheels that hold from each until the next, shape (n,).
 
-    Means hold over their own time. Between samples the rate is a monotone cubic (Fritsch, Carlson 1980, DOI
-    10.1137/0717021), given as its means over `PARTS` parts.
+    Means hold over their own time, samples from half-way to the one before until half-way to the next: at the stamps
+    the travel is that of the trapezoidal rule.
     """
     time = pair.time
-    if pair.duration is not None or pair.stamp == "start" or len(time) < 2:
-        return time, pair.left, pair.right
-    if pair.stamp == "end":
-        return time - np.diff(time, prepend=2.0 * time[0] - time[1]), pair.left, pair.right
-    share = np.arange(PARTS) / PARTS
-    fine = np.append((time[:-1, None] + share * np.diff(time)[:, None]).ravel(), time[-1])
-    way = PchipInterpolator(time, np.column_stack([pair.left, pair.right])).antiderivative()(fine)
-    mean = np.diff(way, axis=0) / np.diff(fine)[:, None]
-    return fine, np.append(mean[:, 0], pair.left[-1]), np.append(mean[:, 1], pair.right[-1])
+    if pair.duration is None and pair.stamp != "start" and len(time) > 1:
+        step = np.diff(time, prepend=2.0 * time[0] - time[1])
+        time = time - (step if pair.stamp == "end" else 0.5 * step)
+    return time, pair.left, pair.right
 
 
 def middle_of(pair: WheelPair) -> FloatArray:
