@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
+from fsm_calib.commands.help import WholeSentences
 from fsm_calib.commands.machine import tell_checked
 from fsm_calib.commands.options import EffectsOption, MachinesOption, machinery_of
 from fsm_calib.errors import LONGEST_PART, FsmCalibError, InputError, shown
@@ -54,7 +54,7 @@ LARGEST_IMAGE = str(1 << 27)
 """Pixels of an image that OpenCV unpacks (134 million): a small file may otherwise take all memory."""
 
 
-class Commands(TyperGroup):
+class Commands(WholeSentences):
     """A command group that turns this project's errors into one clear message and their exit code."""
 
     def invoke(self, ctx: Any) -> Any:
@@ -64,20 +64,6 @@ class Commands(TyperGroup):
         except FsmCalibError as error:
             typer.echo(f"fsm-calib: {error}", err=True)
             raise typer.Exit(error.exit_code) from error
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """List the commands, each with its whole first sentence."""
-        named = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
-        rows = [
-            (name, _first_sentence(found.help or "")) for name, found in named if found and not found.hidden
-        ]
-        with formatter.section("Commands"):
-            formatter.write_dl(rows)
-
-
-def _first_sentence(text: str) -> str:
-    """Return the first paragraph of a help text as one line."""
-    return " ".join(text.strip().split("\n\n")[0].split())
 
 
 app = typer.Typer(

@@ -223,9 +223,10 @@ def test_the_committed_diagrams_are_current() -> None:
     assert call("diagrams", "--check", "--out", ROOT / "diagrams").exit_code == 0
 
 
-def test_short_help_lists_every_command_in_whole_sentences(monkeypatch) -> None:
+@pytest.mark.parametrize("group", [[], ["robot"], ["recording"]], ids=str)
+def test_short_help_lists_every_command_in_whole_sentences(group, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    told = CliRunner().invoke(app, ["-h"]).output
+    told = CliRunner().invoke(app, [*group, "-h"]).output
     assert "..." not in told[told.index("Commands:") :]
     assert max(len(line) for line in told.splitlines()) <= 80
 

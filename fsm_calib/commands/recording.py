@@ -18,6 +18,7 @@ from fsm_calib.commands.given import (
     named_by,
     recordings_given,
 )
+from fsm_calib.commands.help import WholeSentences
 from fsm_calib.commands.manifests import init_command
 from fsm_calib.commands.options import EffectsOption
 from fsm_calib.errors import shown
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 def register(app: typer.Typer) -> None:
     """Add `identify` to the command line."""
     app.command("identify")(identify_command)
-    recording = typer.Typer(help="Recordings: write a manifest.", no_args_is_help=True)
+    recording = typer.Typer(cls=WholeSentences, help="Recordings: write a manifest.", no_args_is_help=True)
     recording.command("init")(init_command)
     app.add_typer(recording, name="recording")
 

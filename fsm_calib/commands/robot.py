@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from fsm_calib.commands.help import WholeSentences
 from fsm_calib.errors import InputError, LinkLost
 
 if TYPE_CHECKING:
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
     from fsm_calib.robots.ros1.master import Master
     from fsm_calib.scenario.models import Scenario
 
-robot_app = typer.Typer(no_args_is_help=True, help="Serve a simulated Duckiebot; check a real one.")
+robot_app = typer.Typer(
+    cls=WholeSentences, no_args_is_help=True, help="Serve a simulated Duckiebot; check a real one."
+)
 
 
 def register(app: typer.Typer) -> None:
