@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fsm_calib.actions.notebook import Notebook
+from fsm_calib.commands.investigate import tell
 from fsm_calib.commands.run_place import run_directory
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.perception.camera_files import write_extrinsics, write_intrinsics
@@ -65,6 +66,14 @@ def test_every_drive_says_why_and_what_came_of_it(finished):
     assert all(d["why"] and d["expected"] > 0.3 and d["reached"] > 0.3 for d in result["drives"])
     assert (folder / "drives" / "drive-01" / "recording.yaml").exists()
     assert json.loads((folder / "investigation.json").read_text())["ended"] == result["ended"]
+
+
+def test_answer_is_printed_with_its_drives(finished, capsys):
+    _, result, folder = finished
+    tell(result, folder, None)
+    said = capsys.readouterr().out
+    assert "explained: " in said
+    assert all(f"drive {number}: " in said for number in range(1, len(result["drives"]) + 1))
 
 
 def test_robot_stayed_in_its_area(finished):

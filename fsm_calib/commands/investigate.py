@@ -159,7 +159,9 @@ def tell(result: dict[str, Any], directory: Path, json_file: Path | None) -> Non
             f"  drive {number}: {drive['seconds']:.0f} s, expected {expected}, reached {reached}; {drive['why']}"
         )
     if "verdict" in result:
-        lines += summary_lines({**result, "seconds_by_part": result["seconds_by_part"]})
+        lines += summary_lines(
+            {**result, "drives": None}
+        )  # those of a diagnosis are not those that were driven
     for name, row in result.get("calibration", {}).items():
         lines.append(
             f"  calibration, {name}: {row['outcome']}, k = {row['wheel_ratio']}, after 2 m {row['deviation_2m_m']} m"

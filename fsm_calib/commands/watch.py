@@ -36,8 +36,18 @@ def watch(
             metavar="FILE", help="Write the run as MCAP for Foxglove in place of a page.", show_default=False
         ),
     ] = None,
+    foxglove: Annotated[
+        int | None,
+        typer.Option(
+            metavar="PORT",
+            help="Serve Foxglove in place of a page; it looks at 8765.",
+            min=0,
+            max=65535,
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
-    """Serve a page that shows a run, live or replayed, on this machine until Ctrl-C; or write it as MCAP."""
+    """Serve a page that shows a run, live or replayed, on this machine until Ctrl-C; or to Foxglove; or write MCAP."""
     from fsm_calib.watch.server import WatchServer
 
     if mcap is not None:
@@ -48,6 +58,9 @@ def watch(
     if directory.is_dir() and not (directory / JOURNAL_NAME).exists():
         cure = "Give the --out folder of a run that has begun."
         raise InputError("holds no run", where=str(directory), cure=cure)
+    if foxglove is not None:
+        serve_foxglove(directory, foxglove)
+        return
     server = WatchServer(directory, port)
     server.start()
     tell(server.address, is_opened)
@@ -57,6 +70,20 @@ def watch(
         typer.echo("", err=True)
     finally:
         server.close()
+
+
+def serve_foxglove(directory: Path, port: int) -> None:
+    """Serve a run to Foxglove until Ctrl-C."""
+    from fsm_calib.watch.live import LiveView
+
+    view = LiveView(directory, port)
+    typer.echo(f"foxglove: {view.address}  (Ctrl-C ends it)", err=True)
+    try:
+        view.serve(Event())
+    except KeyboardInterrupt:
+        typer.echo("", err=True)
+    finally:
+        view.close()
 
 
 def tell(address: str, is_opened: bool) -> None:
