@@ -52,6 +52,12 @@ class StampedCamera:
                 self._newest = (stamp, data)
             self._changed.notify_all()
 
+    def forget(self) -> None:
+        """Forget every frame and the clock's offset: they came before our clock was set."""
+        with self._changed:
+            self._newest, self._offset = None, None
+            self.arrivals.clear()
+
     def wait_for(self, condition: Callable[[], bool], timeout: float) -> bool:
         """Wait for a condition over the frames received; False after `timeout` [s]."""
         with self._changed:

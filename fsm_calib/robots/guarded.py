@@ -55,6 +55,8 @@ class GuardedRobot(ABC):
             raise
         if setup.lockstep:
             self._wait(LOOK_STEP, False)
+            self._step_end = self._time
+            self.camera.forget()  # what was on its way to an earlier client arrived at a time of no meaning
             self._first_frame = self.guard.said.get("frame", -1)
         else:
             self._began = time.monotonic()
