@@ -53,6 +53,8 @@ class LaneDoubt:
         likely = self.found.probabilities[:TOLD]
         if likely[0][0] == ONCE and likely[0][1] >= NAMED:
             return f"{begin} {AGAIN}"
+        if likely[0][0] == "":
+            return f"{begin} What makes it differ they do not tell.{self._settled}"
         names = [(name, p) for name, p in likely if name not in ("", ONCE)]
         if names and names[0][1] >= NAMED:
             names = names[:1]
