@@ -44,9 +44,8 @@ NEW = 0.02  # of a column's length that the columns before it must leave
 class Contest:
     """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
 
-    explained : evidence of the name over the base robot; kept : the share of it that is left where the best forms
-    beside the name are in both models: a remainder of another kind takes nothing away; loose : no exact equation can be
-    had (a place, a moment, a robot that turns velocities into wheel commands by a controller of its own).
+    explained : evidence of the name over the base robot; loose : no exact equation can be had (a place, a moment, a
+    robot that turns velocities into wheel commands by a controller of its own).
     """
 
     instead: float
@@ -55,7 +54,6 @@ class Contest:
     beside_quantities: tuple[str, ...]
     explained: float
     loose: bool = False
-    kept: float = 1.0
 
     def numbers(self) -> dict[str, float]:
         """Return the three evidences by name."""
@@ -80,14 +78,13 @@ class Linear:
     spread: FloatArray
     nu: float
 
-    def with_columns(self, columns: FloatArray) -> Linear:
-        """Return the model with more free columns, (N, k)."""
-        none = np.zeros(columns.shape[1])
+    def with_column(self, column: FloatArray) -> Linear:
+        """Return the model with one more free column."""
         return replace(
             self,
-            columns=np.hstack([self.columns, columns]),
-            offset=np.concatenate([self.offset, none]),
-            spread=np.concatenate([self.spread, none]),
+            columns=np.column_stack([self.columns, column]),
+            offset=np.append(self.offset, 0.0),
+            spread=np.append(self.spread, 0.0),
         )
 
     def solved(self) -> tuple[FloatArray, FloatArray, float]:
@@ -111,7 +108,7 @@ class Linear:
 class Remainder:
     """What a fit leaves: the model and the forms linearised where it is, and the best forms beside it.
 
-    beside : their evidence, with the quantities that they depend on; chosen : their places in the pool.
+    beside : their evidence, with the quantities that they depend on.
     """
 
     engine: Engine
@@ -120,7 +117,6 @@ class Remainder:
     pool: Pool
     beside: float
     quantities: tuple[str, ...]
-    chosen: tuple[int, ...]
 
     @classmethod
     def of(cls, engine: Engine, fit: Fit) -> Remainder:
@@ -129,13 +125,7 @@ class Remainder:
         log_n, choice = _costs(engine, pool)
         _, path = _climb(model, pool, MOST_BESIDE)
         evidence = [2.0 * gain - (k + 1) * (log_n + choice) for k, (_, gain) in enumerate(path)]
-        chosen = tuple(i for i, _ in path[: int(np.argmax(evidence)) + 1]) if path else ()
-        return cls(engine, fit, model, pool, *_best(evidence, path, pool), chosen)
-
-    @property
-    def forms(self) -> FloatArray:
-        """The whitened columns of the best forms, (N, k); none where their evidence is below nothing."""
-        return self.pool.columns[:, list(self.chosen) if self.beside > 0.0 else []]
+        return cls(engine, fit, model, pool, *_best(evidence, path, pool))
 
     @cached_property
     def jumps(self) -> float:
@@ -174,16 +164,7 @@ def contest(remainder: Remainder, parent: Fit, effects: Sequence[str]) -> Contes
         *remainder.beside_of(effects),
         evidence_of(fit, parent, engine.count),
         loose,
-        _kept(remainder, bare, extra * log_n),
     )
-
-
-def _kept(remainder: Remainder, bare: Linear, cost: float) -> float:
-    """Return the share of the evidence over `bare` that is left with the best forms in both models."""
-    forms, named = remainder.forms, remainder.model
-    alone = 2.0 * (named.solved()[2] - bare.solved()[2]) - cost
-    beside = 2.0 * (named.with_columns(forms).solved()[2] - bare.with_columns(forms).solved()[2]) - cost
-    return beside / max(alone, 1.0)
 
 
 def _costs(engine: Engine, pool: Pool) -> tuple[float, float]:
@@ -227,7 +208,7 @@ def _climb(model: Linear, pool: Pool, most: int) -> tuple[float, list[tuple[int,
         chosen = _most_promising(model, residual, off, pool)
         if chosen is None:
             break
-        model = model.with_columns(pool.columns[:, [chosen]])
+        model = model.with_column(pool.columns[:, chosen])
         residual, off, now = model.solved()
         path.append((chosen, now - begun))
     return begun, path
