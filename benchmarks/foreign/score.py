@@ -32,8 +32,9 @@ DEPARTURE_NAMES = {
     "uneven_floor": {"floor_tilt"},
 }
 # physics that no robot is without: motors with dry friction of 0.6 % of their stall torque and wheels that roll with 0.8 %
-# of their load (`robots.py`); in MuJoCo cylinders that stand on a line, which resists a pivoting robot
-BUILT_IN = {"": {"coulomb_friction"}, "mujoco": {"tyre_scrub"}}
+# of their load (`robots.py`); in the plane tyres that yield sideways (four to nine times their load for a unit of slip); in
+# MuJoCo cylinders that stand on a line, which resists a pivoting robot, and contacts that creep sideways (soft constraints)
+BUILT_IN = {"": {"coulomb_friction"}, "planar": {"lateral_slip"}, "mujoco": {"tyre_scrub", "lateral_slip"}}
 # sizes that mean the same in any engine: (label, laws) -> size in the key, unit of the parameter
 SIZES: dict[str, tuple[set[str], str, str]] = {
     "command_delay": ({"constant"}, "delay_s", "s"),
