@@ -13,6 +13,7 @@ from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.form_test import Contest
 from fsm_calib.diagnosis.proof.gap import Gap, block_sums, gap_between
+from fsm_calib.diagnosis.proof.heldout import noise_floor, squared_error
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
@@ -47,6 +48,16 @@ def tilted():
     engine = engine_of(*(recording(seed, **changes) for seed in (0, 1)))
     base = fit_base(engine)
     return engine, base, fitted(engine, base, "floor_tilt")
+
+
+def test_errors_of_two_fits_are_told_in_one_unit(tilted):
+    engine, base, fit = tilted
+    unit = noise_floor(engine.simulators, fit)
+    before, after = (squared_error(engine.simulators, f, unit) for f in (base, fit))
+    assert after == pytest.approx(
+        2.9, rel=0.5
+    )  # two axes of position and one heading of unit noise, medians as units
+    assert before > 2.0 * after
 
 
 def test_a_name_that_nothing_speaks_against_is_nearly_sure():

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.transfer import on_new_recording
 from fsm_calib.diagnosis.proof.windows import (
@@ -15,6 +17,9 @@ from fsm_calib.diagnosis.proof.windows import (
     prediction_windows,
 )
 from fsm_calib.diagnosis.replay.simulator import Simulator
+from fsm_calib.types import FloatArray
+
+KEPT = 0.95  # of the windows, smallest errors first: the rest are outliers of the poses
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,14 +57,30 @@ def compare(simulators: Sequence[Simulator], base: Fit, fit: Fit, *, new: bool) 
     )
 
 
-def squared_error(simulators: Sequence[Simulator], fit: Fit) -> float:
-    """Return the median squared error over the horizon on the fitted recordings, position and heading each in units
-    of its noise.
+def noise_floor(simulators: Sequence[Simulator], fit: Fit) -> HorizonError:
+    """Return the errors over the horizon that a fit's noise alone would make on the fitted recordings."""
+    return median_floor(_windows(simulators, fit))
+
+
+def squared_error(simulators: Sequence[Simulator], fit: Fit, unit: HorizonError) -> float:
+    """Return the mean squared error over the horizon on the fitted recordings, but for outliers.
+
+    Position and heading each in units of `unit`, one for all fits that are compared: a poor fit's own noise is wide.
     """
-    windows = [
+    errors = np.vstack([w.error for w in _windows(simulators, fit)])
+    parts = ((np.hypot(errors[:, 0], errors[:, 1]), unit.xy_m), (errors[:, 2], unit.theta_rad))
+    return sum(_trimmed(np.square(part / floor)) for part, floor in parts if floor > 0.0)
+
+
+def _windows(simulators: Sequence[Simulator], fit: Fit) -> list[Windows]:
+    return [
         prediction_windows(s.prepared, fit.noise, simulated)
         for s, simulated in zip(simulators, fit.simulated, strict=True)
     ]
-    errors, floors = median_error(windows), median_floor(windows)
-    parts = ((errors.xy_m, floors.xy_m), (errors.theta_rad, floors.theta_rad))
-    return float(sum((error / floor) ** 2 for error, floor in parts if floor > 0.0))
+
+
+def _trimmed(values: FloatArray) -> float:
+    """Return the mean of what is finite and below the largest twentieth; 0 of nothing."""
+    kept = np.sort(values[np.isfinite(values)])
+    kept = kept[: int(np.ceil(KEPT * len(kept)))]
+    return float(kept.mean()) if len(kept) else 0.0
