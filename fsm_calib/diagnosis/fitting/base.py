@@ -34,7 +34,7 @@ TURNING_SHARES = (
 TYPICAL_TRAIL, TRAIL_SPREAD, LONGEST_TRAIL = (
     0.0066,
     0.002,
-    0.015,
+    0.01,
 )  # s: turning trails measured wheels by the shortest lag and what the tyres add for a yaw inertia that nobody knows
 ROUNDS = 4  # fit and noise in turn; two suffice on clean data
 ENOUGH = 0.5  # log-likelihood units between rounds
@@ -48,8 +48,8 @@ ENCODER_NOISE = (6, 7)
 def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slot, ...]:
     """Return what a fit of the base robot moves.
 
-    Gains, axle, two time constants (not for measured wheel speeds, which have no motor between them and the floor),
-    the tyres' slip speed under a prior, and with encoders the wheel radii.
+    Gains, axle, two time constants and the tyres' slip speed under a prior, and with encoders the wheel radii; measured
+    wheel speeds have no motor between them and the floor, turning alone trails them.
     """
     names = list(NUISANCE[:3]) if simulators[0].measured_input else list(NUISANCE)
     if any(s.prepared.has_encoders for s in simulators):
@@ -61,15 +61,11 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
         slots[2] = near(slots[2], robot.axle_length, AXLE_SPREAD)
     if robot.wheel_radius and simulators[0].measured_input:
         slots[:2] = [near(slot, float(values[slot.place]), RADIUS_SPREAD) for slot in slots[:2]]
-    if not simulators[0].measured_input:
-        lags = (TYPICAL_LAG, TYPICAL_LAG * turning_share(robot, values))
-        slots[3:5] = [
-            replace(s, centre=lag, spread=LAG_SPREAD) for s, lag in zip(slots[3:5], lags, strict=True)
-        ]
     if simulators[0].measured_input:
-        slots.append(
-            replace(slot_of("tau_turn"), high=LONGEST_TRAIL, centre=TYPICAL_TRAIL, spread=TRAIL_SPREAD)
-        )
+        trail = replace(slot_of("tau_turn"), high=LONGEST_TRAIL, centre=TYPICAL_TRAIL, spread=TRAIL_SPREAD)
+        return (*slots, trail)
+    lags = (TYPICAL_LAG, TYPICAL_LAG * turning_share(robot, values))
+    slots[3:5] = [replace(s, centre=lag, spread=LAG_SPREAD) for s, lag in zip(slots[3:5], lags, strict=True)]
     slip = slot_of("slip_speed", scale=scale)
     centre, spread = scale.speed * float(values[slip.place]), scale.speed * SLIP_SPREAD
     slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=spread))
