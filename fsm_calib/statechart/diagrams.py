@@ -2,7 +2,8 @@
 
 `--check` compares the texts. A picture carries the digest of the DOT text it was drawn from, so that a stale
 picture is found without drawing it again. Pictures are drawn by Graphviz (`dot`) where it is installed;
-elsewhere the pictures of `Machinery.drawn` are taken as long as they are current.
+elsewhere the pictures of `Machinery.drawn` are taken as long as they are current, and what nothing can draw is not
+asked for.
 """
 
 from __future__ import annotations
@@ -59,12 +60,16 @@ def stale_diagrams(machinery: Machinery, directory: Path | str) -> list[Path]:
         path = folder / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             stale.append(path)
-        svg = path.with_suffix(".svg")
-        if name.endswith(".dot") and (
-            not svg.is_file() or _digest(text) not in svg.read_text(encoding="utf-8")
-        ):
-            stale.append(svg)
+        if name.endswith(".dot") and not _is_current(path.with_suffix(".svg"), text):
+            stale.append(path.with_suffix(".svg"))
     return stale
+
+
+def _is_current(svg: Path, text: str) -> bool:
+    """Return whether a picture shows a DOT text; one that is not there, whether nothing here could have drawn it."""
+    if not svg.is_file():
+        return shutil.which("dot") is None
+    return _digest(text) in svg.read_text(encoding="utf-8")
 
 
 def draw_svg(text: str) -> str | None:
