@@ -189,13 +189,7 @@ class Scanner:
         found = []
         for one in tried:
             for b in apart(one.won, one.starts[:, None], KEEP, 2 * STEP):
-                start = float(one.starts[b])
-                rest = max(
-                    o.won_beyond(start, start + one.length)
-                    if o.run == one.run
-                    else float(o.won.max(initial=0.0))
-                    for o in tried
-                )
+                rest = max(o.won_apart_from(one, float(one.starts[b])) for o in tried)
                 changes = push_of(self.situations[one.run], one, int(b), effect.name)
                 found.append(Candidate(changes, float(one.won[b]), one.run, rest))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]

@@ -41,10 +41,13 @@ class Pushes:
     won: FloatArray
     amplitude: FloatArray
 
-    def won_beyond(self, start: float, end: float) -> float:
-        """Return the most that a push wins which is over before `start` [s] or begins after `end` [s]."""
+    def won_apart_from(self, other: Pushes, start: float) -> float:
+        """Return the most that one of these wins which is not the push of `other` that began at `start` [s]: in another
+        recording any, in the same one what is over `APART` before it or begins so long after its end.
+        """
+        end = start + other.length
         apart = (self.starts + self.length < start - APART) | (self.starts > end + APART)
-        return float(self.won[apart].max(initial=0.0))
+        return float(self.won[apart | (self.run != other.run)].max(initial=0.0))
 
 
 def pushes(residual: Residual, run: int, s: Situation, length: float) -> Pushes:
