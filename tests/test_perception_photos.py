@@ -87,10 +87,8 @@ def test_the_wide_set_gets_the_lens_that_views_left_out_prefer(tmp_path: Path) -
     assert answer.exit_code == 0, answer.output
     camera = json.loads(out.read_text())
     assert camera["boards_found"] == 13
-    assert camera["model"] == "rational_polynomial"
-    assert (
-        camera["cross_validated_px"] < 0.48
-    )  # the best of OpenCV's fixed models, see benchmarks/camera_peers.py
+    assert camera["model"] == "equidistant"
+    assert camera["cross_validated_px"] < 0.36  # cv2.fisheye's, see benchmarks/camera_peers.py
 
 
 def ttic_floor_board(projection: np.ndarray) -> Extrinsics:
