@@ -33,21 +33,24 @@ class LateInbox(Queue[Event]):
 
 
 class Robot:
-    """The outlet and the stepper of a robot that applies every command in the next step."""
+    """The outlet and the stepper of a robot that applies every command in the next step, the first ones `late` [s]."""
 
-    def __init__(self, inbox: LateInbox, step: float) -> None:
-        self.inbox, self.sent = inbox, 0
+    def __init__(self, inbox: LateInbox, step: float, late: float = 0.0) -> None:
+        self.inbox, self.sent, self.applied = inbox, 0, 0
+        self.late = late
         self._commands: list[WheelCommand] = []
-        self.said: dict[str, Any] = {"time": 0.0, "step": step, "frame": -1, "executed": 0}
+        self.said: dict[str, Any] = {"time": 0.0, "step": step, "frame": -1, "taken": 0, "executed": 0}
 
     def send(self, command: WheelCommand) -> None:
         self._commands.append(command)
         self.sent += 1
 
     def step(self, until: float, commands: int, look: bool) -> float:
-        self.inbox.on_their_way += [("executed", command) for command in self._commands]
-        self._commands = []
-        self.said |= {"time": until, "executed": self.sent}
+        for command in self._commands if until > self.late else []:
+            self.applied += 1
+            self.inbox.on_their_way.append(("executed", command, self.applied))
+        self._commands = self._commands if until <= self.late else []
+        self.said |= {"time": until, "taken": self.sent, "executed": self.applied}
         return until
 
 
@@ -56,6 +59,20 @@ def test_an_acknowledgement_that_is_late_on_this_machine_is_not_taken_for_somebo
     robot = Robot(inbox, step=0.01)
     guard = Guard(SETUP, robot, inbox)
     stepping = Stepping(guard, robot, SETUP)
+    for _ in range(3):
+        stepping.obey(["run", 1, 0.2, 0.2, 1.0])
+        stepping.obey(["wait", 2, 4.0, False])
+    assert inbox.on_their_way == []
+    assert guard.rules.stopped is None
+
+
+def test_what_a_client_before_drove_is_not_held_against_this_one_however_late_it_acts() -> None:
+    inbox = LateInbox()
+    robot = Robot(inbox, step=0.01, late=0.08)
+    robot.send(WheelCommand(0.5, -0.5))
+    guard = Guard(SETUP, robot, inbox)
+    stepping = Stepping(guard, robot, SETUP)
+    stepping.begin()
     for _ in range(3):
         stepping.obey(["run", 1, 0.2, 0.2, 1.0])
         stepping.obey(["wait", 2, 4.0, False])

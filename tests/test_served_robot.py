@@ -61,7 +61,7 @@ class Kept:
     def frame(self, number: int, stamp: float, image: np.ndarray) -> None:
         self.frames.append((number, stamp))
 
-    def executed(self, command: WheelCommand, time: float) -> None:
+    def executed(self, command: WheelCommand, number: int, time: float) -> None:
         self.applied.append((command, time))
 
     def ticks(self, side: str, count: int, time: float) -> None:

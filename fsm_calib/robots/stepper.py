@@ -2,7 +2,8 @@
 
 The question, on ``fsm_calib/step``: ``{"until": time, "commands": count, "look": bool}``. The robot waits until it has
 received `count` commands, runs to `until`, and answers on ``fsm_calib/stepped``: ``{"time", "step", "frame": number of
-the last frame sent, "executed": count}``. Frames are drawn only while somebody looks.
+the last frame sent, "taken": count, "executed": count}`` (commands that it has taken and applied). Frames are drawn only
+while somebody looks.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Stepper:
 
     def __init__(self, ask: Callable[[str], None]) -> None:
         self._changed = threading.Condition()
-        self.said: dict[str, Any] = {"time": 0.0, "step": 0.002, "frame": -1, "executed": 0}
+        self.said: dict[str, Any] = {"time": 0.0, "step": 0.002, "frame": -1, "taken": 0, "executed": 0}
         self._count, self._ask = 0, ask
 
     def hear(self, text: str) -> None:

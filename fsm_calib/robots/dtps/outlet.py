@@ -50,7 +50,7 @@ class DtpsOutlet:
 
         def executed(item: Any) -> None:
             command = WheelCommand(command_of(item.left), command_of(item.right))
-            self._inbox.put(("executed", command))
+            self._inbox.put(("executed", command, (item.header.txt or {}).get("number", 0)))
 
         def stopped(item: Any) -> None:
             if item.data:

@@ -94,11 +94,12 @@ class DtpsServedNode:
         header = message("header")(txt={"number": number})
         self._send["image"](message("image")(header=header, format="jpeg", data=self._encode(image)))
 
-    def executed(self, command: WheelCommand, time: float) -> None:
+    def executed(self, command: WheelCommand, number: int, time: float) -> None:
         """Tell the level that was applied; see `served.duckiebot.Outlet`."""
         least = self._settings.dead_zone
         left, right = (level_of(floored(side, least)) for side in (command.left, command.right))
-        self._send["executed"](message("pwm")(left=left, right=right))
+        header = message("header")(txt={"number": number})
+        self._send["executed"](message("pwm")(header=header, left=left, right=right))
 
     def ticks(self, side: str, count: int, time: float) -> None:
         """Publish an encoder's count; see `served.duckiebot.Outlet`."""

@@ -27,7 +27,7 @@ def serve_in_lockstep(guard: Guard, setup: GuardSetup) -> None:
             if event[0] == "line":
                 stepping.obey(event[1])
             else:
-                guard.take(event, stepping.now)
+                stepping.hear(event)
         except RobotLost as lost:
             guard.rules.stop(type(lost).__name__, lost.problem, lost.cure)
         if guard.rules.stopped is not None:
@@ -42,13 +42,14 @@ class Stepping:
         self._resend = setup.settings.resend
         self.step = float(stepper.said["step"])
         self.now = float(stepper.said["time"])
-        self._echoes = 0
+        self._echoes = self._others = 0
 
     def begin(self) -> None:
-        """Let the first step pass; acknowledgements of what came before were another's."""
+        """Let the first step pass; what the robot has taken before is another's, whenever it is applied and heard."""
         self.now = self._stepper.step(self.now + self.step, 0, False)
-        self._drain()
+        self._others = int(self._stepper.said["taken"])
         self._echoes = int(self._stepper.said["executed"])
+        self._drain()
 
     def obey(self, line: list[Any]) -> None:
         """Do what a line says; a ``run`` ends with zero on its way."""
@@ -114,6 +115,13 @@ class Stepping:
         """Take one event; a line of the program is put aside."""
         if event[0] == "line":
             lines.append(event)
-            return
-        self._echoes += event[0] == "executed"
+        else:
+            self.hear(event)
+
+    def hear(self, event: Event) -> None:
+        """Take what is no line of the program; what was applied for a client before says nothing about this one."""
+        if event[0] == "executed":
+            self._echoes = max(self._echoes, event[2])
+            if event[2] <= self._others:
+                return
         self._guard.take(event, self.now)

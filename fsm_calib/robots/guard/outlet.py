@@ -10,7 +10,9 @@ from fsm_calib.robots.stepper import Stepper
 from fsm_calib.types import WheelCommand
 
 Event = tuple[Any, ...]
-"""("executed", WheelCommand), ("angle", side, rad), ("estop", problem), ("lost", problem), ("line", list), ("end",)."""
+"""("executed", WheelCommand, its number), ("angle", side, rad), ("estop", problem), ("lost", problem), ("line", list),
+("end",). A served robot numbers what it has applied from 1 on; other drivers number as they like.
+"""
 
 
 class Outlet(Protocol):

@@ -59,7 +59,8 @@ class Ros1Outlet:
 
         def executed(body: bytes) -> None:
             message = wheels.decode(body)
-            self._inbox.put(("executed", WheelCommand(float(message.vel_left), float(message.vel_right))))
+            command = WheelCommand(float(message.vel_left), float(message.vel_right))
+            self._inbox.put(("executed", command, int(message.header.seq)))
 
         def stopped(body: bytes) -> None:
             if message_type(BOOL).decode(body).data:

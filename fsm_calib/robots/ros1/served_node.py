@@ -149,11 +149,11 @@ class ServedNode:
         kind = message_type(IMAGE)
         self._image.publish(kind.stamped(self._offset + stamp, number, "camera", format="jpeg", data=data))
 
-    def executed(self, command: WheelCommand, time: float) -> None:
+    def executed(self, command: WheelCommand, number: int, time: float) -> None:
         """Tell that a command has been applied; see `served.duckiebot.Outlet`."""
         kind = message_type(WHEELS)
         self._executed.publish(
-            kind.stamped(self._offset + time, 0, vel_left=command.left, vel_right=command.right)
+            kind.stamped(self._offset + time, number, vel_left=command.left, vel_right=command.right)
         )
 
     def ticks(self, side: str, count: int, time: float) -> None:

@@ -36,8 +36,8 @@ class Outlet(Protocol):
         """Publish frame `number`, stamped with the robot's time [s]."""
         ...
 
-    def executed(self, command: WheelCommand, time: float) -> None:
-        """Tell that a command has been applied at `time` [s]."""
+    def executed(self, command: WheelCommand, number: int, time: float) -> None:
+        """Tell that a command, the `number`-th from 1 on, has been applied at `time` [s]."""
         ...
 
     def ticks(self, side: str, count: int, time: float) -> None:
@@ -72,7 +72,7 @@ class ServedDuckiebot:
         self._rng = np.random.default_rng([self.world.spec.seed, SERVE_STREAM])
         self._events: list[tuple[float, int, Callable[[], None]]] = []
         self._order = itertools.count()
-        self._exposed = self.applied = 0
+        self._exposed = self.taken = self.applied = 0
         self.last_frame = -1
         self._next_command = 0.0
         self._acting = STOP
@@ -95,6 +95,7 @@ class ServedDuckiebot:
     def take(self, command: WheelCommand) -> None:
         """A command arrives; it acts after the driver's delay, and never before an earlier one."""
         settings = self.settings
+        self.taken += 1
         delay = max(settings.command_latency + settings.command_jitter * self._rng.standard_normal(), 0.0)
         self._next_command = max(self.now + delay, self._next_command)
         self._later(self._next_command, lambda: self._apply(command))
@@ -130,7 +131,7 @@ class ServedDuckiebot:
             self.world.robot.command(acting)
             self._acting = acting
         self.applied += 1
-        self.outlet.executed(asked, self.now)
+        self.outlet.executed(asked, self.applied, self.now)
 
     def _expose(self) -> None:
         """Take a frame where somebody looks, and send it on its way."""

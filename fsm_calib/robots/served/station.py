@@ -74,6 +74,7 @@ class Station:
                 "time": self.robot.now,
                 "step": self.robot.world.spec.settings.step,
                 "frame": self.robot.last_frame,
+                "taken": self.robot.taken,
                 "executed": self.robot.applied,
             }
         answer(said)
