@@ -2,8 +2,8 @@
 
 The question, on ``fsm_calib/step``: ``{"until": time, "commands": count, "look": bool}``. The robot waits until it has
 received `count` commands, runs to `until`, and answers on ``fsm_calib/stepped``: ``{"time", "step", "frame": number of
-the last frame sent, "taken": count, "executed": count}`` (commands that it has taken and applied). Frames are drawn only
-while somebody looks.
+the last frame sent, "taken": count, "executed": count}``: how many commands it has taken, and applied. Frames are drawn
+only while somebody looks.
 """
 
 from __future__ import annotations
