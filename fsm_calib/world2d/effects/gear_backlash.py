@@ -3,7 +3,8 @@ r"""Play in the gears: after each change of the torque's sign the motor crosses 
     d p / d t = (w_m - v_i) / R,    0 <= p <= gap
     rotor m_w d w_m / d t = D (T - w_m),  F = 0    while 0 < p < gap
 
-p [rad] place of the motor's tooth in the gap, seen at the wheel, gap [rad] the whole play, w_m [m/s] the motor's
+p [rad] place of the motor's tooth in the gap, seen at the wheel, gap [rad] the whole play (of both gears, or of one
+alone: gap_left, gap_right come on top), w_m [m/s] the motor's
 speed as a rim speed, v_i [m/s] the ground's speed at the wheel, R [m] radius, m_w [kg] rotating inertia, of which
 `rotor` [1] is the motor's, D [N s/m] and T [m/s] the motor's line. The step in which the tooth arrives drives for the
 rest of it, and begins with the motor's momentum. Encoders count the motor's turns or the wheel's (`encoder_side` [1],
@@ -14,7 +15,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import (
     DRIVE,
     ENGAGED,
@@ -42,19 +43,30 @@ def cross_gap(P, o, S, m, W):
     W[WHEEL_ENCODER] = P[o + 1]
     W[FREE_ROTATING] = P[o + 2] * W[ROTATING]
     for side in range(2):
+        gap = P[o] + P[o + 3 + side]
+        if gap <= 0.0:
+            continue
         rim = S[RIM + side]
         arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
         ground = S[V] - arm * S[OMEGA]
         free = free_speed(rim, W[TARGET + side], W[DRIVE + side], W[FREE_ROTATING], h)
         travel = (0.5 * (rim + free) - ground) * h / W[RADIUS + side]
         after = S[m + side] + travel
-        S[m + side] = min(max(after, 0.0), P[o])
+        S[m + side] = min(max(after, 0.0), gap)
         if abs(travel) > TOUCH:
-            beyond = after - P[o] if travel > 0.0 else -after
+            beyond = after - gap if travel > 0.0 else -after
             W[ENGAGED + side] = min(max(beyond / abs(travel), 0.0), 1.0)
             if W[ENGAGED + side] > 0.0 and S[m + 2 + side] > 0.0:  # the rotor hits a wheel that rolls
                 S[RIM + side] = ground + P[o + 2] * (rim - ground)
             S[m + 2 + side] = 1.0 if W[ENGAGED + side] == 0.0 else 0.0
+
+
+def _of_wheel(side: str, other: str) -> Parameter:
+    """Return the play of one wheel's gear alone."""
+    return Parameter(
+        f"gap_{side}", f"delta_{side[0]}", "rad", 0.0, 0.0, 1.5, 0.0, "one gear worn, or put in new",
+        starts=(0.12, 0.05, 0.02, 0.25), step=8e-3, doubt=0.35, mirror=f"swap:gap_{other}",
+    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -102,6 +114,8 @@ EFFECT = Effect(
             starts=(0.15, 0.7),
             step=5e-2,
         ),
+        _of_wheel("left", "right"),
+        _of_wheel("right", "left"),
     ),
     hooks={"step": cross_gap},
     channels=("forward", "turn"),
@@ -112,6 +126,21 @@ EFFECT = Effect(
     sentence="The gears have {gap} of play, seen at the wheel.",
     input="command",
     source="Nordin & Gutman 2002",
+    closures=(
+        Closure("both alike", ("gap", "rotor"), "the same in both gears"),
+        Closure(
+            "left wheel",
+            ("gap_left", "rotor"),
+            "of the left wheel's gear alone",
+            sentence="The left wheel's gear has {gap_left} of play, seen at the wheel.",
+        ),
+        Closure(
+            "right wheel",
+            ("gap_right", "rotor"),
+            "of the right wheel's gear alone",
+            sentence="The right wheel's gear has {gap_right} of play, seen at the wheel.",
+        ),
+    ),
     memory=4,
     order=65,
     dissipative=True,

@@ -1,11 +1,14 @@
 r"""Slowing down takes another time than speeding up.
 
     F = D (T - w) a,    a = 1 where the motor drives, a = 1 / ratio where it brakes ((T - w) w < 0)
+    T' = (T_command - T) / tau,    tau = rise where the command's size grows, fall where it shrinks or turns over
 
 F [N] at the rim, D [N s/m], T no-load and w actual rim speed [m/s]; ratio [1] = time constant of slowing down
 over that of speeding up: above 1 for a driver that lets the motor coast, below 1 for one that shorts it. It may
-be one motor's alone (r_l, r_r). The change is spread over 1 cm/s around standstill and no-load. Source:
-H-bridge decay modes, e.g. TI DRV8833 data sheet, section 7.3.2.
+be one motor's alone (r_l, r_r). The change is spread over 1 cm/s around standstill and no-load. A driver may instead
+let its output follow the command with a time constant upwards (rise [s]) or downwards (fall [s]): then the motor's
+own lag comes on top. Sources: H-bridge decay modes, e.g. TI DRV8833 data sheet, section 7.3.2; acceleration and
+deceleration ramps, e.g. Roboteq Controllers User Manual v2.1, "Acceleration and Deceleration".
 """
 
 from __future__ import annotations
@@ -15,16 +18,41 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.slots import DRIVE, RIM, TARGET
+from fsm_calib.world2d.slots import DRIVE, RIM, STEP, TARGET
 
 SOFT = 0.01
 """Speed over which driving turns into braking [m/s] (assumed)."""
 
 
 @njit(error_model="numpy")
+def filtered(before, wanted, tau, time):
+    """Return a first-order filter's integral over a time [s] and its value after it, for a constant input."""
+    if tau <= 0.0:
+        return wanted * time, wanted
+    gone = -math.expm1(-time / tau)
+    return wanted * time + (before - wanted) * gone * tau, before + (wanted - before) * gone
+
+
+@njit(error_model="numpy")
+def follow(before, wanted, rise, fall, step):
+    """Return the driver's mean output over a step [s] and its output after it: down by `fall`, up by `rise` [s]."""
+    crosses = wanted * before < 0.0
+    shrinks = crosses or abs(wanted) < abs(before)
+    down = step if shrinks else 0.0
+    if crosses:
+        down = min(fall * math.log1p(-before / wanted), step)
+    area, value = filtered(before, wanted, fall, down) if shrinks else (0.0, before)
+    if down < step:
+        rest, value = filtered(0.0 if crosses else value, wanted, rise, step - down)
+        area += rest
+    return area / step, value
+
+
+@njit(error_model="numpy")
 def brake(P, o, S, m, W):
-    """Scale the motors' slope where they brake."""
+    """Let the drivers follow the commands, and scale the motors' slope where they brake."""
     for side in range(2):
+        W[TARGET + side], S[m + side] = follow(S[m + side], W[TARGET + side], P[o + 3], P[o + 4], W[STEP])
         rim = S[RIM + side]
         against = (W[TARGET + side] - rim) * rim
         share = 0.5 - 0.5 * against / math.sqrt(against * against + SOFT**4)
@@ -50,6 +78,8 @@ EFFECT = Effect(
         ),
         _of_wheel("left", "right"),
         _of_wheel("right", "left"),
+        Parameter("rise", "tau_u", "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2)),
+        Parameter("fall", "tau_d", "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2)),
     ),
     hooks={"step": brake},
     channels=("forward", "turn"),
@@ -74,7 +104,20 @@ EFFECT = Effect(
             "of the right motor alone",
             sentence="The right motor takes {ratio_right} times as long to slow down as to speed up.",
         ),
+        Closure(
+            "slow to rise",
+            ("rise",),
+            "the driver follows a growing command late, a shrinking one at once",
+            sentence="The drivers follow a growing command with a time constant of {rise}, a shrinking one at once.",
+        ),
+        Closure(
+            "slow to fall",
+            ("fall",),
+            "the driver follows a shrinking command late, a growing one at once",
+            sentence="The drivers follow a shrinking command with a time constant of {fall}, a growing one at once.",
+        ),
     ),
+    memory=2,
     order=60,
     dissipative=True,
 )

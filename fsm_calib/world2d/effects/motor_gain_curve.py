@@ -2,11 +2,14 @@ r"""Speed is not proportional to command: the gain falls (or grows) with the com
 
     u_effective = u (1 - gamma |u|)           |u| <= 1 / (2 gamma), constant beyond
     u_effective = u |u|^p                     as a power law
+    u_effective = u + s sin(2 pi u) / (2 pi)  S-shaped
 
-u [1] command, gamma [1] curvature, of both wheels or (gamma_l, gamma_r) of one, p [1] exponent beyond one: at
-command u the motor lacks gamma |u| of what its gain at small commands promises. Drivers that recirculate
-current and batteries with inner resistance bend the line down. Source: Sedra & Smith, Microelectronic Circuits,
-7th ed., section 12 (output stages); DB18 measurements scatter by 5 to 15 % (duckietown-world).
+u [1] command, gamma [1] curvature, of both wheels or (gamma_l, gamma_r) of one, p [1] exponent beyond one, s [1]
+swing: the gain is 1 + s at both ends and 1 - s in the middle. At command u the motor lacks gamma |u| of what its gain
+at small commands promises. Drivers that recirculate current and batteries with inner resistance bend the line down;
+crossover and compression of output stages make an S, of which s is the first harmonic. Source: Sedra & Smith,
+Microelectronic Circuits, 7th ed., section 12 (output stages); DB18 measurements scatter by 5 to 15 %
+(duckietown-world).
 """
 
 from __future__ import annotations
@@ -27,6 +30,8 @@ def bend(P, o, u, side):
     size *= 1.0 - gamma * size
     if P[o + 3] != 0.0 and size > 0.0:
         size = math.pow(size, 1.0 + P[o + 3])
+    if P[o + 4] != 0.0 and size < 1.0:
+        size += P[o + 4] * math.sin(2.0 * math.pi * size) / (2.0 * math.pi)
     return size if u > 0.0 else -size
 
 
@@ -59,6 +64,9 @@ EFFECT = Effect(
         _of_wheel("right", "left"),
         Parameter(
             "power", "p", "1", 0.0, -0.6, 1.5, 0.0, "drivers with exponential maps", starts=(0.2, -0.15)
+        ),
+        Parameter(
+            "swing", "s", "1", 0.0, -0.95, 0.95, 0.0, "weak or strong in the middle", starts=(0.15, -0.15)
         ),
     ),
     hooks={"shape": bend},
@@ -96,6 +104,12 @@ EFFECT = Effect(
             "speed grows as a power of the command",
             sentence="Speed grows with the command to the power of 1 + {power}.",
             source="Franklin, Powell & Emami-Naeini, Feedback Control, section 9.2 (power-law actuators)",
+        ),
+        Closure(
+            "S-shaped",
+            ("swing",),
+            "more at both ends than in the middle, or less",
+            sentence="The gain is {swing} of itself higher at small and full commands, and as much lower between.",
         ),
     ),
     order=40,

@@ -2,18 +2,25 @@ r"""A motor is weaker (or stronger) backwards than forwards.
 
     u_effective = u                               u >= 0
     u_effective = u (1 - loss -+ difference / 2)  u < 0, left -, right +
+    u_effective = u + drop_i tanh(|u| / 0.05)     u < 0, as a voltage drop
 
-loss [1]: mean over both motors; difference [1]: what the left motor loses more than the right one.
+loss [1]: mean over both motors; difference [1]: what the left motor loses more than the right one; drop [1]: a
+piece of the command that a junction in the way of the reverse current takes, whole from 0.1 of the command on.
 Brushed motors with advanced brushes run 2 to 15 % slower one way; the two motors of a robot are
 mounted as mirror images. Source: Hughes & Drury, Electric Motors and Drives, 5th ed., section 3.2 (brush
-shift).
+shift); section 2.4 (voltage drops of devices).
 """
 
 from __future__ import annotations
 
+import math
+
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+
+FULL_DROP = 0.05
+"""Command at which 76 % of a junction's drop are there [1] (assumed)."""
 
 
 @njit(error_model="numpy")
@@ -21,7 +28,16 @@ def weaken(P, o, u, side):
     """Return the command as the motor turns it into speed."""
     if u >= 0.0:
         return u
-    return u * (1.0 - P[o] + (0.5 - side) * -P[o + 1])
+    lost = (P[o + 2] + P[o + 3 + side]) * math.tanh(-u / FULL_DROP)
+    return min(u * (1.0 - P[o] + (0.5 - side) * -P[o + 1]) + lost, 0.0)
+
+
+def _of_wheel(side: str, other: str) -> Parameter:
+    """Return the drop of one wheel alone."""
+    return Parameter(
+        f"drop_{side}", f"v_{side[0]}", "1", 0.0, -0.3, 0.4, 0.0, "one half bridge", starts=(0.05, -0.05),
+        mirror=f"swap:drop_{other}",
+    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -42,6 +58,9 @@ EFFECT = Effect(
             "left loses more where positive",
             mirror="negate",
         ),
+        Parameter("drop", "v", "1", 0.0, -0.3, 0.4, 0.0, "a diode of 0.3 to 0.7 V", starts=(0.05, -0.05)),
+        _of_wheel("left", "right"),
+        _of_wheel("right", "left"),
     ),
     hooks={"shape": weaken},
     channels=("forward", "turn"),
@@ -54,6 +73,24 @@ EFFECT = Effect(
     closures=(
         Closure("both alike", ("loss",), "the same loss on both sides"),
         Closure("each its own", ("loss", "difference"), "more on one side than on the other"),
+        Closure(
+            "voltage drop",
+            ("drop",),
+            "the same piece of every reverse command is lost",
+            sentence="Backwards the motors lose {drop} of every command.",
+        ),
+        Closure(
+            "left drop",
+            ("drop_left",),
+            "a piece of every reverse command of the left motor is lost",
+            sentence="Backwards the left motor loses {drop_left} of every command.",
+        ),
+        Closure(
+            "right drop",
+            ("drop_right",),
+            "a piece of every reverse command of the right motor is lost",
+            sentence="Backwards the right motor loses {drop_right} of every command.",
+        ),
     ),
     input="command",
     order=45,
