@@ -47,6 +47,28 @@ def test_verdict_is_plain_json(deadband):
     assert plain["effects"][0]["phenomenon"]
 
 
+@pytest.fixture(scope="module")
+def pushed_twice():
+    """A robot that something pushed once in each of its drives, at other moments."""
+    pushes = {"external_push__impulse_turn": 0.06}
+    drives = [recording(seed, external_push__start=start, **pushes) for seed, start in ((0, 15.2), (1, 22.6))]
+    others = tuple(name for name in registry() if name not in (*SMALL, "external_push"))
+    return diagnose(drives, without=others)
+
+
+def test_a_push_in_every_recording_is_named_with_the_moment_of_each(pushed_twice):
+    (effect,) = pushed_twice.verdict.effects
+    assert effect.name == "external_push"
+    starts = sorted(e.value for name, e in effect.parameters.items() if name.startswith("start"))
+    assert starts == pytest.approx([15.2, 22.6], abs=0.3)
+
+
+def test_its_sentence_tells_each_recordings_push(pushed_twice):
+    text = pushed_twice.verdict.effects[0].sentence
+    assert "Recording 1: At 15" in text
+    assert "Recording 2: At 22" in text
+
+
 def test_a_plain_robot_is_a_match():
     assert judged(SMALL).outcome == "match"
 

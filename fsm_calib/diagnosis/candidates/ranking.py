@@ -182,6 +182,15 @@ class Bank:
         tried = [self.fit(form, start) for form, starts in self.plans(effect) for start in starts]
         return max(tried, key=lambda ranked: ranked.fit.score, default=None)
 
+    def again(self, event: Hypothesis, run: int) -> Ranked | None:
+        """Return the best event of the same closure in another recording; None where nothing is in sight there."""
+        effect = registry()[event.effect]
+        scan = scan_of(effect)
+        plans = self._scanned(effect, scan(self.scanner, effect)) if scan is not None else []
+        same = [(form, s) for form, s in plans if (form.run, form.closure) == (run, event.closure)]
+        tried = [self.fit(form, start) for form, starts in same for start in starts]
+        return max(tried, key=lambda ranked: ranked.fit.score, default=None)
+
     def _begun(self, hypothesis: Hypothesis, start: Start, worth: float = 0.0) -> Ranked:
         """Fit one hypothesis at the parent's noise; what does not get near the gain `worth` is given up early."""
         taken = {(slot.place, slot.run) for slot in self.parent.slots}

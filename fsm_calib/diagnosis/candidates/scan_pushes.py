@@ -42,12 +42,15 @@ class Pushes:
     amplitude: FloatArray
 
     def won_apart_from(self, other: Pushes, start: float) -> float:
-        """Return the most that one of these wins which is not the push of `other` that began at `start` [s]: in another
-        recording any, in the same one what is over `APART` before it or begins so long after its end.
+        """Return the most that one of these wins which is not the push of `other` that began at `start` [s].
+
+        In another recording its best one is left out, too: every recording may have a push of its own.
         """
+        if self.run != other.run:
+            other, start = self, float(self.starts[int(np.argmax(self.won))]) if len(self.won) else 0.0
         end = start + other.length
         apart = (self.starts + self.length < start - APART) | (self.starts > end + APART)
-        return float(self.won[apart | (self.run != other.run)].max(initial=0.0))
+        return float(self.won[apart].max(initial=0.0))
 
 
 def pushes(residual: Residual, run: int, s: Situation, length: float) -> Pushes:

@@ -19,6 +19,7 @@ from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener, fit_noise, log_density
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.parameters import parameter_table
 
 SMALL_GAIN = 0.1  # log-likelihood units: a smaller gain ends the iteration
 
@@ -61,6 +62,11 @@ class Fit:
         variances = np.diagonal(self.covariance)
         for slot, value, variance in zip(self.slots, self.slot_values(), variances, strict=True):
             yield slot, float(value), float(variance)
+
+    def runs_of(self, effect: str) -> tuple[int, ...]:
+        """Return the recordings in which an effect has numbers of their own."""
+        owner = parameter_table().owner
+        return tuple(sorted({s.run for s in self.slots if s.run != ALL_RUNS and owner[s.place] == effect}))
 
 
 def slot_numbers(values: FloatArray, slots: Sequence[Slot]) -> FloatArray:

@@ -19,7 +19,6 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit, simulate_all
-from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
@@ -37,8 +36,10 @@ Move = Callable[[float], FloatArray]
 def dated(engine: Engine, fit: Fit, effects: Sequence[Ranked]) -> Fit:
     """Return the fit with the moments of its events at their profiles' medians, with the profiles' spreads."""
     for ranked in effects:
-        if registry()[ranked.name].scan == "time" and ranked.hypothesis.run != ALL_RUNS:
-            fit = _told(engine, _sought(engine, fit, ranked), ranked)
+        if registry()[ranked.name].scan == "time":
+            for run in fit.runs_of(ranked.name):
+                there = replace(ranked, hypothesis=replace(ranked.hypothesis, run=run))
+                fit = _told(engine, _sought(engine, fit, there), there)
     return fit
 
 

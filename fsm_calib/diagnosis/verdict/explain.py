@@ -59,7 +59,8 @@ def verdict_of(
 def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
     """Return the effect's numbers; those that belong to a recording carry its number after the name.
 
-    A choice that was tried, not fitted, is among them where it is not the usual one, without a spread.
+    Of an event those of the recording that shows it best carry none. A choice that was tried, not fitted, is among
+    them where it is not the usual one, without a spread.
     """
     table, effect = parameter_table(), registry()[ranked.name]
     chosen = {p.name: float(fit.values[0, table.place(f"{ranked.name}.{p.name}")]) for p in effect.choices}
@@ -70,8 +71,8 @@ def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
         if table.owner[slot.place] != ranked.name:
             continue
         entry = table.entries[slot.place]
-        shared = slot.run == ALL_RUNS or ranked.hypothesis.run != ALL_RUNS
-        name = entry.name if shared else f"{entry.name}_{slot.run + 1}"
+        plain = slot.run in (ALL_RUNS, ranked.hypothesis.run)
+        name = entry.name if plain else f"{entry.name}_{slot.run + 1}"
         found[name] = Estimate(value, with_doubt(effect, entry.name, value, variance), entry.unit)
     return found
 
@@ -99,6 +100,19 @@ def sentence(effect: Effect, numbers: dict[str, Estimate], closure: str = "") ->
     return (own or effect.sentence).format(**said)
 
 
+def _sentences(ranked: Ranked, numbers: dict[str, Estimate], fit: Fit) -> str:
+    """Return the sentence of an effect; of an event that several recordings have, one for each."""
+    effect, closure, runs = registry()[ranked.name], ranked.hypothesis.closure, fit.runs_of(ranked.name)
+    if ranked.hypothesis.run == ALL_RUNS or len(runs) == 1:
+        return sentence(effect, numbers, closure)
+    said = []
+    for run in runs:
+        tail = "" if run == ranked.hypothesis.run else f"_{run + 1}"
+        own = {p.name: numbers[p.name + tail] for p in effect.parameters if p.name + tail in numbers}
+        said.append(f"Recording {run + 1}: {sentence(effect, own, closure)}")
+    return " ".join(said)
+
+
 def _named(belief: Belief, decision: Decision, shares: dict[str, float]) -> NamedEffect:
     """Return an effect with its numbers; one of a set that cannot be told apart is as sure as the whole set."""
     effect = registry()[belief.name]
@@ -108,7 +122,7 @@ def _named(belief: Belief, decision: Decision, shares: dict[str, float]) -> Name
         belief.name,
         belief.probability,
         numbers,
-        sentence(effect, numbers, belief.effect.hypothesis.closure),
+        _sentences(belief.effect, numbers, decision.model.fit),
         effect.phenomenon,
         belief.effect.hypothesis.closure,
         shares.get(belief.name, math.nan),

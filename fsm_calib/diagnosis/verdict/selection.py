@@ -20,6 +20,7 @@ import numpy as np
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of, polished
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import switched_off
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
@@ -86,8 +87,30 @@ class Selector:
 
     def grown(self, ranking: Sequence[Ranked]) -> Selection:
         """Return the selection that begins with the first of a ranking on top of the base robot."""
-        first = ranking[0]
+        first = self._in_every_recording(ranking[0])
         return self._grown_on(Selection((first,), first.fit, (tuple(ranking),), (self.base,)))
+
+    def _in_every_recording(self, ranked: Ranked) -> Ranked:
+        """Return an event with what happened of its kind in the other recordings; other effects as they are."""
+        event = ranked.hypothesis
+        others = range(len(self.engine.simulators)) if event.run != ALL_RUNS else ()
+        for run in others:
+            if run == event.run:
+                continue
+            found = Bank.on(self.engine, ranked.fit).again(event, run)
+            if (
+                found is not None
+                and found.evidence >= self.needed
+                and is_plausible(found, self.engine.simulators)
+                and stands_out(found, self.needed)
+            ):
+                ranked = replace(
+                    ranked,
+                    fit=found.fit,
+                    evidence=ranked.evidence + found.evidence,
+                    gain=ranked.gain + found.gain,
+                )
+        return ranked
 
     def _grown_on(self, selection: Selection) -> Selection:
         """Return the selection with further effects as long as any is worth it."""
@@ -163,7 +186,8 @@ class Selector:
         rankings = (*selection.rankings, tuple(found))
         if not found or found[0].evidence < wanted:
             return None
-        effects, fit = self._swapped((*selection.effects, found[0]), found[0].fit, rankings)
+        joining = self._in_every_recording(found[0])
+        effects, fit = self._swapped((*selection.effects, joining), joining.fit, rankings)
         return self._pruned(effects, fit, rankings, wanted, SURELY_NEEDED * wanted)
 
     def _wanted(self, selection: Selection) -> float:
