@@ -45,8 +45,26 @@ def plain(study, variant, robot, directory):
     return _row(study, variant, robot, directory)
 
 
-def slow(study, variant, robot, directory):
-    return _row(study, variant, robot, directory, lambda: time.sleep(0.4))
+def held(study, variant, robot, directory):
+    """From the third robot on, stay between the stages until `let_go`."""
+    home = directory.parent.parent
+
+    def hold():
+        (home / f"holds-{os.getpid()}").touch()
+        while not (home / "go on").exists():
+            time.sleep(0.01)
+
+    return _row(study, variant, robot, directory, hold if robot >= 2 else lambda: None)
+
+
+def holding(directory):
+    """Return the processes that stay between two stages."""
+    return [int(path.name.split("-")[1]) for path in directory.glob("holds-*")]
+
+
+def let_go(directory):
+    """Let every robot go on, and those that come."""
+    (directory / "go on").touch()
 
 
 def failing(study, variant, robot, directory):

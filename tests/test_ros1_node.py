@@ -8,7 +8,7 @@ import subprocess
 from collections.abc import Iterator
 
 import pytest
-from ros_rig import MASTERS, NO_ROS, debian_master, until
+from ros_rig import DEADLINE, MASTERS, NO_ROS, debian_master, until
 
 from fsm_calib.errors import LinkLost
 from fsm_calib.robots.ros1.calls import Caller
@@ -170,7 +170,7 @@ def test_ros_own_tools_see_and_hear_the_node() -> None:
         state.publish(message_type(TEXT).make(data="scan/clockwise"))
         tools = {**os.environ, "ROS_MASTER_URI": url, "ROS_HOSTNAME": "127.0.0.1"}
         ran = [
-            subprocess.run(command, env=tools, capture_output=True, text=True, timeout=60).stdout
+            subprocess.run(command, env=tools, capture_output=True, text=True, timeout=DEADLINE).stdout
             for command in (
                 ["rostopic", "echo", "-n", "1", "/duckie/fsm_calib/state"],
                 ["rosnode", "info", "/duckie/fsm_calib"],

@@ -18,6 +18,7 @@ from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.recording.read import read_recording
 from fsm_calib.robots.ros1.calls import Caller
+from fsm_calib.robots.ros1.served_node import ServedNode
 from fsm_calib.runner.run import run_scenario
 from fsm_calib.scenario.load import scenario_from
 from fsm_calib.scenario.yaml_source import parse_yaml
@@ -39,8 +40,8 @@ RECORDED = (
 
 
 @contextmanager
-def recorded(url: str, bag: Path) -> Iterator[None]:
-    """Record as an owner would, until the block ends."""
+def recorded(url: str, bag: Path, node: ServedNode) -> Iterator[None]:
+    """Record as an owner would, until the block ends; the recorder is connected to all that the robot publishes."""
     tools = {**os.environ, "ROS_MASTER_URI": url, "ROS_HOSTNAME": "127.0.0.1"}
     command = ["rosbag", "record", "-O", str(bag), *RECORDED]
     process = subprocess.Popen(
@@ -50,7 +51,10 @@ def recorded(url: str, bag: Path) -> Iterator[None]:
 
     def listens() -> bool:
         heard = {topic for topic, _ in master.call("getSystemState", "/test")[1]}
-        return set(RECORDED) <= heard
+        publishers = node.node.publishers
+        return set(RECORDED) <= heard and all(
+            publishers[topic].listeners for topic in RECORDED if topic in publishers
+        )
 
     try:
         until(listens, "rosbag listens")
@@ -67,7 +71,11 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("recorded")
     path = folder / "run.bag"
     scenario = scenario_from(parse_yaml(SCENARIO))
-    with debian_master() as url, served(scenario, url, tracker=25.0) as (_, client), recorded(url, path):
+    with (
+        debian_master() as url,
+        served(scenario, url, tracker=25.0) as (node, client),
+        recorded(url, path, node),
+    ):
         assert run_scenario(client, folder / "run").result["outcome"] == "done"
     until(path.exists, "rosbag closes its file")
     return path

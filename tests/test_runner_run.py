@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import re
 import shutil
@@ -220,17 +219,31 @@ def test_a_command_that_is_no_number_never_reaches_the_wheels(tmp_path: Path) ->
     assert session.world.robot.command_log == ()
 
 
+KILLED = """
+import os, signal, sys
+from fsm_calib.cli import main
+from fsm_calib.journal import Journal
+
+append = Journal.append
+
+
+def last(journal, event):
+    append(journal, event)
+    if event["seq"] == 4:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+Journal.append = last
+main()
+"""
+
+
 def test_sigkill_loses_nothing(short_run, tmp_path: Path) -> None:
     path = tmp_path / "short.yaml"
     path.write_text(SHORT)
-    code = "from fsm_calib.cli import main; main()"
-    arguments = [sys.executable, "-c", code, "run", str(path), "--out", str(tmp_path / "run")]
-    with subprocess.Popen(arguments, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-        journal = tmp_path / "run" / "journal.jsonl"
-        while process.poll() is None and not (journal.exists() and journal.read_bytes().count(b"\n") >= 5):
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(0.01)
-        process.send_signal(signal.SIGKILL)
+    arguments = [sys.executable, "-c", KILLED, "run", str(path), "--out", str(tmp_path / "run")]
+    assert subprocess.run(arguments, capture_output=True, check=False).returncode == -signal.SIGKILL
+    assert len((tmp_path / "run" / "journal.jsonl").read_bytes().splitlines()) == 5
     assert not (tmp_path / "run" / "result.json").exists()
     run_scenario(scenario(), tmp_path / "run", resume=True)
     assert without_times(tmp_path / "run") == without_times(short_run[0])

@@ -8,6 +8,8 @@ import threading
 from pathlib import Path
 
 import pytest
+from processes import is_alive
+from ros_rig import DEADLINE, until
 
 from fsm_calib.errors import InputError
 from fsm_calib.runner.hold import held
@@ -35,7 +37,7 @@ cli.main()
 def test_a_command_that_is_stopped_before_its_work_says_so(number: signal.Signals) -> None:
     code = STOPPED_AT_WORK.format(number=int(number))
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=DEADLINE, check=False
     )
     assert done.returncode == 1
     assert f"fsm-calib: stopped by {number.name} before the end." in done.stderr
@@ -86,7 +88,7 @@ def test_a_worker_ends_when_its_parent_is_another_one() -> None:
 def test_a_worker_of_a_killed_command_ends_at_once(tmp_path: Path) -> None:
     worker = (
         "import os, time; from fsm_calib.study.orphans import end_with; end_with(int({}))\n"
-        "open({!r}, 'w').close(); time.sleep(60)"
+        "open({!r}, 'w').close(); time.sleep(600)"
     )
     mark = tmp_path / "watching"
     code = (
@@ -101,20 +103,7 @@ def test_a_worker_of_a_killed_command_ends_at_once(tmp_path: Path) -> None:
         assert command.stdout is not None
         pid = int(command.stdout.readline())
         command.kill()
-    for _ in range(400):
-        if not alive(pid):
-            return
-        threading.Event().wait(0.05)
-    os.kill(pid, signal.SIGKILL)
-    pytest.fail("the worker outlived its command")
-
-
-def alive(pid: int) -> bool:
-    """Tell whether a process is there and no zombie that nobody has collected."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().split(")")[1].split()[0] != "Z"
-    except OSError:
-        return False
+    until(lambda: not is_alive(pid), "the worker of a killed command ends")
 
 
 def test_a_second_run_in_a_directory_is_refused_while_the_first_is_at_work(tmp_path: Path) -> None:

@@ -5,12 +5,13 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections import Counter
 from pathlib import Path
 
 import pytest
 import study_tiny
+from processes import is_alive
+from ros_rig import until
 from study_tiny import KILLER, marks, results, study
 
 from fsm_calib.errors import InputError
@@ -106,21 +107,22 @@ from pathlib import Path
 import study_tiny
 from fsm_calib.study.fleet import Crew, run_fleet
 if __name__ == "__main__":
-    run_fleet(study_tiny.study(), Path(sys.argv[1]), Crew("loky", 2), trial=study_tiny.slow)
+    run_fleet(study_tiny.study(), Path(sys.argv[1]), Crew("loky", 2), trial=study_tiny.held)
 """
 
 
 def test_a_killed_command_goes_on_and_nothing_is_lost_or_run_twice(tmp_path):
     out = tmp_path / "out"
     command = [sys.executable, "-c", COMMAND, str(out)]
-    environment = os.environ | {"PYTHONPATH": str(HERE)}
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, sys.path)])}
     process = subprocess.Popen(command, env=environment)
-    while len(rows_in(out)) < 2 and process.poll() is None:
-        time.sleep(0.02)
+    until(lambda: len(rows_in(out)) == 2 and len(study_tiny.holding(out)) == 2, "both workers wait")
     process.send_signal(signal.SIGKILL)
     process.wait()
+    until(lambda: not any(map(is_alive, study_tiny.holding(out))), "the workers end with their command")
     before = rows_in(out)
-    assert 2 <= len(before) < 6
+    assert len(before) == 2
+    study_tiny.let_go(out)
     subprocess.run(command, env=environment, check=True)
     after = rows_in(out)
     assert after[: len(before)] == before

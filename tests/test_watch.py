@@ -6,6 +6,7 @@ import re
 
 import pytest
 from browser import needs_browser, page_after_scripts
+from ros_rig import DEADLINE
 
 from fsm_calib.commands.run import read_scenario
 from fsm_calib.errors import InputError
@@ -46,7 +47,7 @@ def server(folder):
 
 
 def ask(server, method, path, **headers):
-    link = http.client.HTTPConnection(*server.server_address[:2], timeout=10)
+    link = http.client.HTTPConnection(*server.server_address[:2], timeout=DEADLINE)
     link.request(method, path, headers=headers)
     answer = link.getresponse()
     content = answer.read()
@@ -99,7 +100,7 @@ def test_area_holds_boards_tags_and_road(folder) -> None:
 
 
 def test_stream_sends_what_is_new_since_the_last_event_seen(server) -> None:
-    link = http.client.HTTPConnection(*server.server_address[:2], timeout=10)
+    link = http.client.HTTPConnection(*server.server_address[:2], timeout=DEADLINE)
     link.request("GET", "/stream", headers={"Last-Event-ID": "4"})
     answer = link.getresponse()
     lines = [answer.readline().decode().strip() for _ in range(3)]

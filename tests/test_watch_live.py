@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from ros_rig import DEADLINE
 
 from fsm_calib.errors import InputError
 from fsm_calib.runner.run import run_scenario
@@ -27,7 +28,6 @@ robot: {source: nominal, known: {camera: true}}
 plan: [orientation]
 output: {report: false, recording: false, bag: none, frames: 3}
 """
-DEADLINE = 60.0
 MESSAGE = struct.Struct("<BIQ")
 """Head of a message of the protocol: kind 1, subscription, time [ns]."""
 
@@ -60,7 +60,8 @@ class Viewer:
     def __init__(self, address: str) -> None:
         client = pytest.importorskip("websockets.sync.client", reason="websockets is not installed")
         self._ended = ExitStack()
-        self._link = self._ended.enter_context(client.connect(address, subprotocols=["foxglove.sdk.v1"]))
+        asked = {"subprotocols": ["foxglove.sdk.v1"], "open_timeout": DEADLINE}
+        self._link = self._ended.enter_context(client.connect(address, **asked))
         self._topics: dict[int, str] = {}
 
     def messages(self) -> Iterator[tuple[str, bytes]]:

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from ros_rig import DEADLINE
 
 from fsm_calib.world2d import kernel as kernel_module
 from fsm_calib.world2d.kernel import kernel, woven_source
@@ -141,6 +142,6 @@ def test_module_planted_in_the_shared_temporary_folder_never_runs(tmp_path: Path
     environment = {**os.environ, "TMPDIR": str(tmp_path), "FSM_CALIB_CACHE": str(tmp_path / "no_home")}
     code = "from fsm_calib.world2d.kernel import kernel; kernel(bare=True)"
     subprocess.run(
-        [sys.executable, "-c", code], env=environment, check=True, capture_output=True, timeout=100
+        [sys.executable, "-c", code], env=environment, check=True, capture_output=True, timeout=DEADLINE
     )
     assert not seen.exists()
