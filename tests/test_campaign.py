@@ -79,3 +79,16 @@ def test_campaign_goes_on_where_it_was_and_keeps_repro_and_report(tmp_path: Path
     assert f"repro/{key}" in (tmp_path / "report.md").read_text()
     with pytest.raises(SystemExit, match="seed 3"):
         campaign.Campaign.opened(tmp_path, 4)
+
+
+def test_memory_that_the_process_held_before_is_no_finding(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes = iter([3 << 20, (3 << 20) + 5, 5 << 20])
+    monkeypatch.setattr(campaign, "largest_held", lambda: next(sizes))
+    sound = Kind(PLANTED.sound, lambda files, rng: files, lambda folder: None)
+    found = campaign.Campaign(tmp_path, 3, held_before=campaign.largest_held())
+    found.run("planted", sound, PLANTED.sound(), 1)
+    assert found.findings == {}
+    found.run("planted", sound, PLANTED.sound(), 1)
+    assert [finding["found"] for finding in found.findings.values()] == ["memory above 1 GB"]
