@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import shutil
+import socket
 import subprocess
+import threading
 from collections.abc import Iterator
 
 import pytest
@@ -25,6 +27,7 @@ from fsm_calib.robots.ros1.messages import (
     stamp_of,
 )
 from fsm_calib.robots.ros1.node import Node
+from fsm_calib.robots.ros1.publisher import Publisher
 from fsm_calib.robots.ros1.wire import pack_header, unpack_header
 
 MD5 = {
@@ -105,6 +108,20 @@ def test_a_message_arrives_whoever_comes_first(nodes: tuple[Node, Node]) -> None
         0.25,
         -0.5,
     )
+
+
+def test_what_is_published_once_a_listener_was_greeted_reaches_it() -> None:
+    publisher = Publisher("/state", message_type(TEXT), latch=False)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        theirs = socket.create_connection(server.getsockname())
+        ours, _ = server.accept()
+    late = threading.Thread(target=publisher.take, args=("/b", ours, b"welcome"))
+    late.start()
+    assert theirs.recv(7) == b"welcome"
+    assert publisher.publish(message_type(TEXT).make(data="scan")) == 1
+    late.join()
+    publisher.close()
+    theirs.close()
 
 
 def test_a_latched_message_waits_for_its_listener(nodes: tuple[Node, Node]) -> None:

@@ -18,8 +18,8 @@ SPARE = 5.0
 """What a timed command may take longer than its time before the link counts as lost [s]."""
 LOOK_STEP = 0.01
 """Steps of a look in lockstep [s]: fine against the delays that are served."""
-FRAME_WAIT = 5.0
-"""Longest wait for a frame that a served robot in lockstep has sent [s]."""
+FRAME_WAIT = 60.0
+"""Longest wait for a frame that a served robot in lockstep has sent [s]: a loaded machine only takes longer."""
 LOCKSTEP_SPARE = 300.0
 """The same in lockstep, where a loaded machine only takes longer [s]."""
 ZEROS, ZERO_PAUSE = 5, 0.03

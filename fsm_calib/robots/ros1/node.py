@@ -152,8 +152,7 @@ class Node:
         kind = publisher.kind
         ours = {"callerid": self.name, "type": kind.name, "md5sum": kind.md5, "topic": publisher.topic}
         extra = {"message_definition": kind.definition, "latching": "1" if publisher.latch else "0"}
-        link.sendall(pack_header(ours | extra))
-        publisher.take(theirs.get("callerid", "?"), link)
+        publisher.take(theirs.get("callerid", "?"), link, pack_header(ours | extra))
 
     def _answer(self, link: socket.socket, theirs: dict[str, str]) -> None:
         """Answer calls of one service over one connection."""

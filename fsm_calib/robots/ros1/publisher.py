@@ -44,11 +44,12 @@ class Publisher:
         """Messages published so far."""
         return self._count
 
-    def take(self, name: str, link: socket.socket) -> None:
-        """Add a subscriber's connection."""
+    def take(self, name: str, link: socket.socket, greeting: bytes) -> None:
+        """Add a subscriber's connection and greet it: what is published after the greeting reaches it."""
         link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         link.settimeout(SEND_TIMEOUT)
         with self._lock:
+            link.sendall(greeting)
             self._links.append((name, link))
             if self.latch and self._last is not None:
                 self._send(name, link, self._last)

@@ -36,6 +36,7 @@ class Station:
     def __init__(self, world: World, settings: ServeSettings, outlet: Outlet, lockstep: bool) -> None:
         self._changed = threading.Condition()
         self._received = 0
+        self._client = ""
         self._closed = False
         self._lockstep = lockstep
         self.last_received = WheelCommand()
@@ -64,13 +65,19 @@ class Station:
 
     def step(self, question: dict[str, Any], answer: Callable[[dict[str, Any]], None]) -> None:
         """Let time pass as a client in lockstep asks, and answer; see `robots.stepper`."""
+        client, commands = question["client"], question["commands"]
         with self._changed:
-            if question["commands"] == 0:
-                self._received = 0  # a new client counts from nothing
-            self._changed.wait_for(lambda: self._received >= question["commands"], COMMAND_WAIT)
+            if commands == 0:
+                self._client, self._received = client, 0  # a new client counts from nothing
+                self._changed.notify_all()
+            self._changed.wait_for(lambda: self._received >= commands or self._client != client, COMMAND_WAIT)
+            if self._client != client:
+                return  # of a client before, which has gone while its commands were on their way
             self.robot.is_watched = bool(question["look"])
             self.robot.run_until(question["until"])
             said = {
+                "client": client,
+                "number": question["number"],
                 "time": self.robot.now,
                 "step": self.robot.world.spec.settings.step,
                 "frame": self.robot.last_frame,
