@@ -6,6 +6,7 @@ It writes the guard's process number and then drives until it is stopped; with `
 from __future__ import annotations
 
 import json
+import signal
 import sys
 
 from fsm_calib.errors import RobotLost
@@ -16,6 +17,7 @@ from fsm_calib.types import WheelCommand
 
 
 def main(address: str, hangs: bool) -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
     robot = Ros1Robot(GuardSetup(parse_address(address), fence=1000.0), lambda body: None)
     try:
         robot.command(WheelCommand(0.3, 0.3))
