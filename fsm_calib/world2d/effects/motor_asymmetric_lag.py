@@ -17,7 +17,7 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.effect import LEAST_DELAY, Closure, Effect, Parameter
 from fsm_calib.world2d.slots import DRIVE, RIM, STEP, TARGET
 
 SOFT = 0.01
@@ -67,6 +67,13 @@ def _of_wheel(side: str, other: str) -> Parameter:
     )  # fmt: skip
 
 
+def _ramp(name: str, symbol: str) -> Parameter:
+    """Return a time constant of the drivers; below `LEAST_DELAY` it is no more than the base's lag is off by."""
+    return Parameter(
+        name, symbol, "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2), least=LEAST_DELAY
+    )  # fmt: skip
+
+
 EFFECT = Effect(
     name="motor_asymmetric_lag",
     family="timing",
@@ -78,8 +85,8 @@ EFFECT = Effect(
         ),
         _of_wheel("left", "right"),
         _of_wheel("right", "left"),
-        Parameter("rise", "tau_u", "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2)),
-        Parameter("fall", "tau_d", "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2)),
+        _ramp("rise", "tau_u"),
+        _ramp("fall", "tau_d"),
     ),
     hooks={"step": brake},
     channels=("forward", "turn"),
