@@ -76,16 +76,22 @@ def diagnose(
     decision.seconds["prepare"] = read
     began = perf_counter()
     progress("proof")
-    train = compare(simulators, decision.base, decision.model.fit, new=False)
-    holdout = compare(new, decision.base, decision.model.fit, new=True) if new else None
+    train, holdout = _proof(decision, simulators, new)
     decision.seconds["proof"] = perf_counter() - began
-    fit = decision.model.fit
-    decision = refuted(decision, train, holdout, new)
-    if decision.model.fit is not fit:
-        train = compare(simulators, decision.base, decision.model.fit, new=False)
-        holdout = compare(new, decision.base, decision.model.fit, new=True) if new else None
+    less = refuted(decision, train, holdout, new)
+    if less.model.fit is not decision.model.fit:
+        train, holdout = _proof(less, simulators, new)
+    decision = less
     told = told_by(decision, without, gates)
     verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
     verdict = replace(verdict, drives=told)
     notes = (*taken.notes, *at_bounds(decision.base), *untold_mass(verdict.effects, simulators))
     return Diagnosis(verdict, decision, train, holdout, new, notes)
+
+
+def _proof(
+    decision: Decision, simulators: Sequence[Simulator], new: Sequence[Simulator]
+) -> tuple[Comparison, Comparison | None]:
+    """Return the errors before and after, on the fitted recordings and on those held out, if any."""
+    base, fit = decision.base, decision.model.fit
+    return compare(simulators, base, fit, new=False), compare(new, base, fit, new=True) if new else None
