@@ -1,5 +1,7 @@
 """The forms that other people's robots leave are read with one option at most, and as what they are."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from wild_forms import SINGLE, Robot, driven, wheel_truth
@@ -62,3 +64,14 @@ def test_a_urdf_robot_is_identified_within_three_deviations(forms):
     for name, true in wheel_truth(Robot(0.05, 0.24)).items():
         estimate = found.estimates[name]
         assert abs(estimate.value - true) < 3.0 * estimate.sd
+
+
+@pytest.mark.parametrize("late", [-0.3, 0.021, 0.13])
+def test_commands_that_act_late_or_on_another_clock_do_not_move_the_gains(late):
+    drive = dataclasses.replace(driven(seed=30, duration=20.0), wheel_angle=None)
+    twist = dataclasses.replace(drive.twist, time=drive.twist.time - late)
+    found = identify([dataclasses.replace(drive, twist=twist)])
+    for name in ("forward_gain", "turn_gain"):
+        assert abs(found.estimates[name].value - 1.0) < 3.0 * found.estimates[name].sd
+    assert found.value("command_delay") == pytest.approx(late, abs=0.005)
+    assert any("beside the time constants" in note for note in found.notes)

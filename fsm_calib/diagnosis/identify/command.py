@@ -6,7 +6,9 @@ speed and turn rate with one time constant each.
     V = (g_r u_r + g_l u_l) / 2        W = (g_r u_r - g_l u_l) / b        (wheel commands)
     V = g_f v                          W = g_t omega                      (twist commands)
 
-g_l, g_r [m/s at command 1, or m for commands in rad/s]; g_f, g_t [1].
+g_l, g_r [m/s at command 1, or m for commands in rad/s]; g_f, g_t [1]. The commands are those of one delay ago [s]:
+radio and driver take time, stamps are late, clocks differ, and motors of a higher order look so. Without it the gains
+take what it does.
 """
 
 from __future__ import annotations
@@ -26,6 +28,18 @@ LONGEST_STEP = 0.1  # s: short beside the time constants, so that arcs and noise
 TYPICAL_SPEED = 0.6  # m/s at command 1 (Duckiebot DB18, duckietown-world pwm_dynamics)
 FIRST_TAU = 0.15  # s, first guess of both time constants (DB18: 0.20 and 0.25 s)
 TAU_SPREAD = 1.5  # log units, prior of the time constants: 0.03 to 0.7 s is one standard deviation
+DELAY_SPREAD = (
+    0.3  # s, prior of the delay: dead time of radio and driver, exposure, what is left of two clocks
+)
+FURTHER_DELAYS = (
+    -0.6,
+    -0.4,
+    -0.2,
+    0.2,
+    0.4,
+    0.6,
+    0.8,
+)  # s, first guesses: from farther off a search may miss it
 COMMAND_NOISE = {"q_f": 0.1, "q_t": 0.8}  # m/s/sqrt(s), rad/s/sqrt(s)
 
 
@@ -42,6 +56,7 @@ class CommandMotion:
         self.parameters = {
             "tau_forward": Parameter(float(np.log(FIRST_TAU)), 0.3, TAU_SPREAD),
             "tau_turn": Parameter(float(np.log(FIRST_TAU)), 0.3, TAU_SPREAD),
+            "delay": Parameter(0.0, 0.05, DELAY_SPREAD, FURTHER_DELAYS),
         }
 
     def with_gains(self, gain: float, axle: float) -> CommandMotion:
@@ -53,13 +68,14 @@ class CommandMotion:
         } | self.parameters
         return self
 
-    def times(self, pose_times: FloatArray) -> FloatArray:
-        """Return pose times, changes of command and enough times between."""
+    def times(self, pose_times: FloatArray, delay: float) -> FloatArray:
+        """Return pose times, changes of command as the poses see them and enough times between."""
         change = np.flatnonzero((np.diff(self.left) != 0.0) | (np.diff(self.right) != 0.0)) + 1
-        events = [pose_times, self.time[change], self.time[:1]]
+        sent = [self.time[change], self.time[:1]]
         if self.stale_after is not None:
             late = np.flatnonzero(np.diff(self.time) > self.stale_after)
-            events += [self.time[late] + self.stale_after, self.time[late + 1]]
+            sent += [self.time[late] + self.stale_after, self.time[late + 1]]
+        events = [pose_times, np.concatenate(sent) + delay]
         first, last = pose_times[0], pose_times[-1]
         times = np.unique(np.concatenate(events))
         times = times[(times >= first) & (times <= last)]
@@ -70,7 +86,7 @@ class CommandMotion:
 
     def steps(self, times: FloatArray, p: dict[str, float]) -> FloatArray:
         """Return duration, asked speed and turn rate, and 1 where the command is stale."""
-        held = times[:-1]
+        held = 0.5 * (times[:-1] + times[1:]) - p["delay"]  # no command changes within a step
         left, right = held_at(held, self.time, self.left), held_at(held, self.time, self.right)
         forward, turn = self._asked(left, right, p)
         steps = np.zeros((len(times), STEP_COLUMNS))

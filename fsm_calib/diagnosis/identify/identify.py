@@ -30,7 +30,12 @@ UNTOLD_ANGLE = 0.5  # rad, likewise its heading
 UNTOLD_SHARE = (
     0.3  # of its value: a length, gain or time constant with a larger standard deviation is not told
 )
+UNTOLD_DELAY = 0.1  # s: a delay with a larger standard deviation is not told
+NO_SLIP = (
+    3e-4  # of a gain: so much do tyres that drift in arcs, which the filter leaves out, take (TurtleBot3)
+)
 NO_TURNS = "the motion does not tell it: drive arcs to both sides as well as straight"
+SELDOM = "the commands change too seldom to tell it"
 
 
 def identify(recordings: Sequence[Recording]) -> Identification:
@@ -98,11 +103,12 @@ def _from_pose(recording: Recording, wheels: bool, commands: bool) -> Identifica
     )
 
 
-def told(fit: PoseFit, name: str, unit: str, factor: float = 1.0) -> Estimate:
-    """Return a free parameter times `factor` as an estimate; unknown where its deviation is a large share of
-    it.
+def told(fit: PoseFit, name: str, unit: str, factor: float = 1.0, left_out: float = 0.0) -> Estimate:
+    """Return a free parameter times `factor` as an estimate; unknown where its deviation is a large share of it.
+
+    left_out : share of the value by which physics that the filter leaves out moves it; counts as deviation.
     """
-    value, sd = factor * fit.values[name], abs(factor) * fit.sd(name)
+    value, sd = factor * fit.values[name], abs(factor) * math.hypot(fit.sd(name), left_out * fit.values[name])
     if not (math.isfinite(sd) and sd < UNTOLD_SHARE * abs(value)):
         return unknown(unit, NO_TURNS)
     return Estimate(value, sd, unit)
@@ -147,8 +153,8 @@ def _command_estimates(fit: PoseFit, recording: Recording, radius: float | None)
             "m", "only the product of wheel radius and gain can be told: no wheel was measured"
         )
     if recording.twist is not None:
-        estimates["forward_gain"] = told(fit, "forward_gain", "1")
-        estimates["turn_gain"] = told(fit, "turn_gain", "1")
+        estimates["forward_gain"] = told(fit, "forward_gain", "1", left_out=NO_SLIP)
+        estimates["turn_gain"] = told(fit, "turn_gain", "1", left_out=NO_SLIP)
         estimates["axle_length"] = unknown(
             "m", "the commands are speeds of the robot: the axle enters nowhere"
         )
@@ -158,7 +164,9 @@ def _command_estimates(fit: PoseFit, recording: Recording, radius: float | None)
     for name in ("tau_forward", "tau_turn"):
         value, sd = math.exp(fit.values[name]), fit.sd(name)
         known = Estimate(value, value * sd, "s")
-        estimates[name] = known if sd < 1.0 else unknown("s", "the commands change too seldom to tell it")
+        estimates[name] = known if sd < 1.0 else unknown("s", SELDOM)
+    delay, sd = fit.values["delay"], fit.sd("delay")
+    estimates["command_delay"] = Estimate(delay, sd, "s") if sd < UNTOLD_DELAY else unknown("s", SELDOM)
     return estimates
 
 
@@ -168,12 +176,14 @@ def _gains(fit: PoseFit, facts: RobotFacts, radius: float | None, unit: str) -> 
     for side, sign in signs.items():
         if unit == "rad/s":
             estimates[f"wheel_gain_{side}"] = told(
-                fit, side, "m" if radius is None else "1", sign / (radius or 1.0)
+                fit, side, "m" if radius is None else "1", sign / (radius or 1.0), NO_SLIP
             )
             continue
         full = (radius or 0.0) * (facts.max_wheel_rate or 0.0)
-        estimates[f"wheel_gain_{side}"] = told(fit, side, "1" if full else "m/s", sign / (full or 1.0))
-        estimates[f"speed_at_full_{side}"] = told(fit, side, "m/s", sign)
+        estimates[f"wheel_gain_{side}"] = told(
+            fit, side, "1" if full else "m/s", sign / (full or 1.0), NO_SLIP
+        )
+        estimates[f"speed_at_full_{side}"] = told(fit, side, "m/s", sign, NO_SLIP)
     ratio = fit.values["left"] / fit.values["right"]
     estimates["wheel_ratio"] = Estimate(ratio, ratio * fit.sd_of_log_ratio("left", "right"), "1")
     return estimates

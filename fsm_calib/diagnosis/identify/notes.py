@@ -8,6 +8,7 @@ from fsm_calib.diagnosis.replay.wheels import Wheels
 from fsm_calib.recording.recording import Recording
 
 DEVIATIONS = 4.0  # standard deviations by which a stated fact must be off to be called wrong
+LONG_DELAY = 0.02  # s: less may be a motor of a higher order
 SHARE = 0.02  # and by at least this share of it: nobody states an axle better
 
 
@@ -26,8 +27,8 @@ def wheel_notes(fit: PoseFit, wheels: Wheels, recording: Recording) -> list[str]
 
 
 def command_notes(fit: PoseFit, recording: Recording) -> list[str]:
-    """Return what differs: signs and sides of the commands, axle, outliers."""
-    notes = sign_notes(fit.alignment, fit.has_heading, "commands")
+    """Return what differs: signs and sides of the commands, axle, a long delay, outliers."""
+    notes = sign_notes(fit.alignment, fit.has_heading, "commands") + delay_notes(fit)
     if "axle" in fit.free:
         notes += axle_notes(fit, recording)
     return notes + outlier_notes(fit)
@@ -53,6 +54,19 @@ def sign_notes(start: Alignment, has_heading: bool, what: str) -> list[str]:
 def axle_notes(fit: PoseFit, recording: Recording) -> list[str]:
     """Return a sentence where the stated axle length is clearly wrong."""
     return _fact_note("axle_length", recording.robot.axle_length, fit.values["axle"], fit.sd("axle"), "m")
+
+
+def delay_notes(fit: PoseFit) -> list[str]:
+    """Return a sentence where the poses move clearly later than commands without delay would have it, or before."""
+    delay, sd = fit.values["delay"], fit.sd("delay")
+    if abs(delay) < max(DEVIATIONS * sd, LONG_DELAY):
+        return []
+    cause = (
+        "a delay, late poses or two clocks"
+        if delay > 0.0
+        else "nothing moves before it is told to: two clocks"
+    )
+    return [f"the poses follow the commands {delay:+.3f} +- {sd:.3f} s beside the time constants: {cause}"]
 
 
 def outlier_notes(fit: PoseFit) -> list[str]:

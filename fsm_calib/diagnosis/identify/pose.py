@@ -9,6 +9,7 @@ which makes errors along a path depend on each other.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -31,11 +32,14 @@ TRACKER_NOISE = {"r_xy": 0.01, "r_theta": 0.02, "r_time": 0.01, "s_b": 0.003}
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A free parameter: first guess, size (for steps and differences), standard deviation of its prior."""
+    """A free parameter: first guess, size (for steps and differences), standard deviation of its prior; other first
+    guesses, of which the likeliest is taken.
+    """
 
     first: float
     size: float
     spread: float = np.inf
+    others: tuple[float, ...] = ()
 
 
 class Motion(Protocol):
@@ -45,8 +49,10 @@ class Motion(Protocol):
     parameters: dict[str, Parameter]
     noise: dict[str, float]
 
-    def times(self, pose_times: FloatArray) -> FloatArray:
-        """Return the increasing times of the filter's events, among them all pose times."""
+    def times(self, pose_times: FloatArray, delay: float) -> FloatArray:
+        """Return the increasing times of the filter's events, among them all pose times; commands act `delay` [s]
+        after their stamps.
+        """
         ...
 
     def steps(self, times: FloatArray, p: dict[str, float]) -> FloatArray:
@@ -105,8 +111,7 @@ def fit_pose(pose: PoseTrack, motion: Motion, start: Alignment) -> PoseFit:
     parameters = _parameters(motion, start, heading)
     free = tuple(parameters)
     problem = _problem(pose, motion, parameters, start, heading)
-    first = np.array([parameters[name].first for name in free])
-    result = maximise(problem, first, len(pose), spare=free.index("s_b"))
+    result = maximise(problem, _first(problem, parameters, len(pose)), len(pose), spare=free.index("s_b"))
     values = _natural(dict(zip(free, map(float, result.parameters), strict=True)), motion)
     return PoseFit(
         values, free, result.covariance, result.log_likelihood, _outliers(result), len(pose), heading, start
@@ -126,21 +131,38 @@ def _parameters(motion: Motion, start: Alignment, heading: bool) -> dict[str, Pa
     return parameters
 
 
+def _first(problem: Problem, parameters: dict[str, Parameter], rows: int) -> FloatArray:
+    """Return where to begin, shape (p,)."""
+    first = np.array([parameter.first for parameter in parameters.values()])
+    all_rows = np.ones(rows, dtype=bool)
+    for i, parameter in enumerate(parameters.values()):
+        tried = np.tile(first, (1 + len(parameter.others), 1))
+        tried[1:, i] = parameter.others
+        if parameter.others:
+            first = max(tried, key=lambda guess: problem.objective(guess, all_rows))
+    return first
+
+
 def _problem(
     pose: PoseTrack, motion: Motion, parameters: dict[str, Parameter], start: Alignment, heading: bool
 ) -> Problem:
     """Return the likelihood as a function of the free parameters."""
     free = list(parameters)
-    times = motion.times(pose.time)
-    rows = np.full(len(times), -1.0)
-    rows[np.searchsorted(times, pose.time)] = np.arange(len(pose))
     known = np.isfinite(pose.theta)
     z = np.stack([pose.x, pose.y, np.where(known, pose.theta, 0.0)], axis=1)
     first_heading = float(pose.theta[known][0]) if heading else 0.0
 
+    @lru_cache(maxsize=1)  # most steps of a search leave the delay as it was
+    def events(delay: float) -> tuple[FloatArray, FloatArray]:
+        times = motion.times(pose.time, delay)
+        rows = np.full(len(times), -1.0)
+        rows[np.searchsorted(times, pose.time)] = np.arange(len(pose))
+        return times, rows
+
     def run(vector: FloatArray, used: np.ndarray) -> tuple[FloatArray, FloatArray]:
         p = _natural(dict(zip(free, map(float, vector), strict=True)), motion)
         theta0 = (first_heading - p["psi"], DIFFUSE_ANGLE) if heading else (p["start"], 1e-8)
+        times, rows = events(p.get("delay", 0.0))
         steps = motion.steps(times, p)
         steps[:, 4] = rows
         observed = np.array([p["px"], p["py"], p["psi"], p["r_xy"] ** 2, p["r_theta"] ** 2, p["r_time"] ** 2])

@@ -43,7 +43,7 @@ class WheelMotion:
             "clock": Parameter(0.0, 0.05, CLOCK_SPREAD),
         }
 
-    def times(self, pose_times: FloatArray) -> FloatArray:
+    def times(self, pose_times: FloatArray, delay: float) -> FloatArray:
         """Return pose times and, between them, the wheels' own times."""
         own = self.wheels.time
         inside = own[(own > pose_times[0]) & (own < pose_times[-1])]
