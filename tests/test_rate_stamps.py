@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from wild_forms import Robot, driven
 
+from fsm_calib.diagnosis.between_samples import with_bends
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.rate_stamps import with_stamps
 from fsm_calib.diagnosis.replay.wheels import wheels_of
@@ -14,6 +15,8 @@ from fsm_calib.recording import Recording, WheelPair, read_recording
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.recording.wheel_stamps import held, middle_of, travel
 from fsm_calib.recording.writers import write_bag, write_recording
+from fsm_calib.world2d.observation import predict
+from fsm_calib.world2d.rollout import Drive
 
 FACTS = RobotFacts(wheel_radius=Robot().radius, axle_length=Robot().axle)
 RAMP = WheelPair(np.arange(5.0), 2.0 * np.arange(5.0), np.arange(5.0), "rad/s")
@@ -29,6 +32,17 @@ def with_rates(kind, seed=4, rate=20.0):
     rates = {"end": np.vstack([still, means]), "start": np.vstack([means, still])}
     rates["middle"] = 0.5 * (rates["end"] + rates["start"])
     return Recording(robot=FACTS, pose=drive.pose, wheel_rate=WheelPair(time, *rates[kind].T, "rad/s"))
+
+
+def with_point_samples(seed=4, rate=20.0, late=0.0):
+    """Return a drive whose wheels, their motors 80 ms behind, are read at the poses' instants, stamped `late` [s]."""
+    drive, span = driven(seed=seed, rate=rate), 5e-4
+    half, time = 0.5 * Robot().axle * drive.twist.omega, drive.pose.time[1:]
+    around = np.sort(np.concatenate([time - span, time + span]))
+    commands = Drive(drive.twist.time, drive.twist.v - half, drive.twist.v + half)
+    seen = predict(Robot().parameters(), commands, around, (0.2, -0.1, 0.3), wheel_times=around).wheel_angles
+    rates = (seen[1::2] - seen[::2]) / (2.0 * span)
+    return Recording(robot=FACTS, pose=drive.pose, wheel_rate=WheelPair(time + late, *rates.T, "rad/s"))
 
 
 @pytest.mark.parametrize(("stamp", "first"), [(None, -0.5), ("middle", -0.5), ("start", 0.0), ("end", -1.0)])
@@ -82,6 +96,31 @@ def test_a_robot_told_by_means_of_its_wheel_rates_matches(kind, stamp):
     recording = with_rates(kind)
     pair = dataclasses.replace(recording.wheel_rate, stamp=stamp)
     assert diagnose([dataclasses.replace(recording, wheel_rate=pair)]).verdict.verdict == "match"
+
+
+def test_samples_are_moved_by_what_they_leave_open_of_the_bends_between_them():
+    recording = with_point_samples()
+    (found,), _, sentence = with_bends([recording])
+    assert 0.001 < np.mean(recording.wheel_rate.time - found.wheel_rate.time) < 0.05 / 6.0
+    assert "leave open" in sentence
+
+
+@pytest.mark.parametrize("late", [-0.02, 0.02])
+def test_what_no_sampling_does_is_left_to_be_named(late):
+    assert with_bends([with_point_samples(late=late)])[2] == ""
+
+
+def test_means_and_set_points_leave_nothing_open_between_them():
+    recording = with_rates("end")
+    recording = dataclasses.replace(
+        recording, wheel_rate=dataclasses.replace(recording.wheel_rate, stamp="end")
+    )
+    assert with_bends([recording])[2] == ""
+
+
+@pytest.mark.slow
+def test_a_robot_told_by_point_samples_of_lagging_wheels_matches():
+    assert diagnose([with_point_samples()]).verdict.verdict == "match"
 
 
 def test_a_stamp_is_read_from_tables_and_written_again(tmp_path):

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fsm_calib.diagnosis.between_samples import with_bends
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.diagnosis.identify.result import Identification
 from fsm_calib.diagnosis.inputs import with_input
@@ -72,7 +73,9 @@ def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ())
         notes.append(
             f"{kept:.0f} of {total:.0f} s are fitted, in {len(train)} stretches; predictions are judged on all"
         )
-    return Intake(tuple(map(thinned, train)), tuple(map(thinned, new)), tuple(notes))
+    train, new, sentence = with_bends(list(map(thinned, train)), list(map(thinned, new)))
+    notes += [sentence] if sentence else []
+    return Intake(tuple(train), tuple(new), tuple(notes))
 
 
 def duration(recording: Recording) -> float:

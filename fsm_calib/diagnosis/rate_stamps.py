@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fsm_calib.diagnosis.likelihood.robust import log_density, robust_weights
 from fsm_calib.recording.channels import PoseTrack, WheelPair
 from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.wheel_stamps import travel
@@ -110,13 +111,12 @@ def _log_likelihood(pair: WheelPair, steps: FloatArray, measured: FloatArray, sh
 
 
 def _student(design: FloatArray, target: FloatArray) -> float:
-    weight = np.ones(len(target))
-    scale, left = 1.0, target
+    """Return the log-likelihood of `target` (n,) given `design` (n, p) by reweighted least squares."""
+    weight, scale, left = np.ones(len(target)), 1.0, target
     for _ in range(REWEIGHTED):
         root = np.sqrt(weight)
         solved = np.linalg.lstsq(design * root[:, None], target * root, rcond=None)[0]
         left = target - design @ solved
         scale = float(np.sqrt(np.mean(weight * left**2))) + 1e-12
-        weight = (FREEDOM + 1.0) / (FREEDOM + (left / scale) ** 2)
-    tails = 0.5 * (FREEDOM + 1.0) * np.log1p((left / scale) ** 2 / FREEDOM)
-    return float(-np.sum(tails) - len(left) * np.log(scale))
+        weight = robust_weights(left / scale, FREEDOM)
+    return float(log_density(left / scale, np.full(len(left), -np.log(scale)), FREEDOM).sum())

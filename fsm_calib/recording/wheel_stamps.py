@@ -25,7 +25,7 @@ def held(pair: WheelPair) -> tuple[FloatArray, FloatArray, FloatArray]:
     """
     time = pair.time
     if pair.duration is None and pair.stamp != "start" and len(time) > 1:
-        step = np.diff(time, prepend=2.0 * time[0] - time[1])
+        step = _since_before(time)
         time = time - (step if pair.stamp == "end" else 0.5 * step)
     return time, pair.left, pair.right
 
@@ -36,7 +36,7 @@ def middle_of(pair: WheelPair) -> FloatArray:
     if pair.duration is not None:
         return time + 0.5 * pair.duration
     if pair.stamp == "end" and len(time) > 1:
-        return time - 0.5 * np.diff(time, prepend=2.0 * time[0] - time[1])
+        return time - 0.5 * _since_before(time)
     if pair.stamp == "start" and len(time) > 1:
         return time + 0.5 * np.diff(time, append=2.0 * time[-1] - time[-2])
     return time
@@ -61,6 +61,11 @@ def travel(pair: WheelPair) -> tuple[FloatArray, FloatArray, FloatArray]:
     else:
         left, right = (_summed(0.5 * step * (side[1:] + side[:-1])) for side in sides)
     return time, left, right
+
+
+def _since_before(time: FloatArray) -> FloatArray:
+    """Return the time [s] since the row before, shape (n,); before the first as before the second."""
+    return np.diff(time, prepend=2.0 * time[0] - time[1])
 
 
 def _summed(parts: FloatArray) -> FloatArray:
