@@ -299,7 +299,7 @@ KINDS: dict[str, Kind] = {
     "scenario": Kind(of_files("scenarios/full_calibration.yaml"), damaged_text, lambda f: world_of(load_scenario(f / "full_calibration.yaml"))),
     "world": Kind(of_files("scenarios/wheels_only.yaml"), damaged_text, lambda f: physics_of(f / "wheels_only.yaml")),
     "study": Kind(of_files("scenarios/study.yaml"), damaged_text, lambda f: load_study(f / "study.yaml")),
-    "manifest and CSV": Kind(recording_files, damaged_text, lambda f: identified(f / "recording.yaml")),
+    "manifest and CSV": Kind(recording_files, damaged_text, lambda f: read_recording(f / "recording.yaml")),
     "fitted recording": Kind(fitted_files, damaged_cells, lambda f: identified(f / "recording.yaml"), turn=2),
     "gz": Kind(recording_files, damaged_archive, lambda f: read_recording(f / "recording.yaml")),
     "ROS 1 bag": Kind(bag_files("drive.bag"), damaged_binary, read_bag_in),

@@ -14,6 +14,8 @@ from collections.abc import Iterable
 
 LONGEST_PART = 300
 """Characters of a sentence's problem, of its place and of a quoted name."""
+LONGEST_NAME = 60
+"""Characters of a known name that is offered: a damaged table's header may be one name."""
 LONGEST_SENTENCE = 1200
 """Characters of a whole sentence, its cure with it (a cure may list all known names)."""
 MOST_SENTENCES = 40
@@ -24,11 +26,15 @@ def shown(text: str, longest: int | None = None) -> str:
     r"""Return text as one line that a terminal only shows: what does not print is written as ``\x1b``, ``\u202e``;
     the middle of what is longer than `longest` characters is left out.
     """
-    text = str(text)
-    if longest is not None and len(text) > longest:
-        kept = (longest - 5) // 2
-        text = f"{text[:kept]} ... {text[-kept:]}"
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    text = _cut(str(text), longest)
+    return _cut("".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text), longest)
+
+
+def _cut(text: str, longest: int | None) -> str:
+    if longest is None or len(text) <= longest:
+        return text
+    kept = (longest - 5) // 2
+    return f"{text[:kept]} ... {text[-kept:]}"
 
 
 def shown_lines(text: str) -> str:
@@ -133,6 +139,6 @@ class ManyErrors(InputError):
 
 def nearest_names(name: str, known: Iterable[str]) -> str:
     """Return a sentence that offers the known names nearest to `name`, or lists them all."""
-    names = list(known)
+    names = [shown(one, LONGEST_NAME) for one in known]
     near = difflib.get_close_matches(name[:LONGEST_PART], names, n=3, cutoff=0.6)
     return f"Did you mean {' or '.join(near)}?" if near else f"Known: {', '.join(names)}."

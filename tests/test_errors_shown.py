@@ -17,7 +17,15 @@ from fsm_calib import cli
 from fsm_calib.calibration_files import read_kinematics
 from fsm_calib.cli import app
 from fsm_calib.diagnosis.identify.identify import identify
-from fsm_calib.errors import DataError, FsmCalibError, InputError, ManyErrors, UnknownNameError, shown
+from fsm_calib.errors import (
+    LONGEST_SENTENCE,
+    DataError,
+    FsmCalibError,
+    InputError,
+    ManyErrors,
+    UnknownNameError,
+    shown,
+)
 from fsm_calib.perception.camera_files import read_extrinsics, read_intrinsics
 from fsm_calib.perception.encoded import decode_image
 from fsm_calib.perception.photos import read_photo
@@ -279,3 +287,9 @@ def test_module_can_be_run_as_a_program() -> None:
         [sys.executable, "-m", "fsm_calib.cli", "--help"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0
+
+
+def test_a_sentence_that_lists_names_without_letters_keeps_its_length():
+    error = UnknownNameError("column", "theta", ["t", *("\x9c[" * 900 for _ in range(40))])
+    assert len(str(error)) <= LONGEST_SENTENCE
+    assert str(error).startswith("unknown column 'theta'. Known: ")

@@ -51,6 +51,11 @@ def test_measurements_at_one_instant_are_spread():
     assert list(looked_at(wheel_angle=track).wheel_angle.time) == [0.0, 1.0, 1.5, 2.0]
 
 
+def test_a_measurement_whose_rows_all_have_one_instant_is_spread_over_a_second():
+    still = PoseTrack(time=np.zeros(2), x=np.array([1.0, 7.0]), y=np.zeros(2), theta=np.zeros(2))
+    assert looked_at(pose=still).pose.time == pytest.approx([0.0, 0.5])
+
+
 def test_jump_is_told_with_its_time():
     x = circle().x.copy()
     x[100] += 2.0

@@ -172,8 +172,8 @@ def _later_of_two(name: str, channel: Channel) -> tuple[Channel, Finding]:
 def _spread(name: str, channel: Channel) -> tuple[Channel, Finding]:
     """Spread measured rows that share an instant evenly up to the next instant: each is a measurement."""
     instants, first, count = np.unique(channel.time, return_index=True, return_counts=True)
-    step = np.diff(instants) if len(instants) > 1 else np.array([1.0])
-    step = np.append(step, np.median(step))
+    step = np.diff(instants)
+    step = np.append(step, np.median(step) if len(step) else 1.0)
     within = np.arange(len(channel)) - np.repeat(first, count)
     time = np.repeat(instants, count) + np.repeat(step / count, count) * within
     rows, at = int((count - 1).sum()), float(instants[int(np.argmax(count > 1))])
