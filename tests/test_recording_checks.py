@@ -41,6 +41,15 @@ def test_row_whose_time_goes_backwards_is_dropped_and_told():
     assert (finding.kind, finding.action, finding.rows) == ("time_backwards", "dropped", 1)
 
 
+def test_rows_that_neighbours_overtook_are_sorted_and_told():
+    order = np.arange(200)
+    order[10:190:2], order[11:191:2] = order[11:191:2].copy(), order[10:190:2].copy()
+    plain = circle()
+    recording = looked_at(pose=plain.rows(order))
+    assert recording.pose == plain
+    assert kinds(recording) == {"unsorted"}
+
+
 def test_later_of_two_commands_at_one_instant_holds():
     track = CommandTrack(np.array([0.0, 1.0, 1.0, 2.0]), np.array([0.0, 0.1, 0.2, 0.3]), np.zeros(4))
     assert list(looked_at(command=track).command.left) == [0.0, 0.2, 0.3]

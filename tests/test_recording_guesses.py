@@ -48,6 +48,7 @@ CASES = [
     ("twist", 180.0 / math.pi, ("omega",), "deg/s"),
     ("yaw_rate", 180.0 / math.pi, ("value",), "deg/s"),
     ("pose", 1000.0, ("x", "y"), "mm"),
+    ("pose", 100.0, ("x", "y"), "cm"),
     ("pose", 180.0 / math.pi, ("theta",), "degrees"),
 ]
 
@@ -58,6 +59,12 @@ def test_a_unit_that_is_off_is_guessed_aloud(slot, factor, columns, unit):
     for key in columns:
         assert getattr(getattr(found, slot), key) == pytest.approx(getattr(getattr(driven(), slot), key))
     assert any(f.channel == slot and f"read as {unit}" in f.sentence for f in found.checks)
+
+
+def test_headings_in_degrees_that_were_unwrapped_are_read_as_such():
+    circle = 0.3 * T
+    pose = PoseTrack(T, np.sin(circle), -np.cos(circle), np.degrees(circle))
+    assert looked_at(Recording(pose=pose)).pose.theta == pytest.approx(circle)
 
 
 def test_a_sound_drive_is_left_as_it_is():

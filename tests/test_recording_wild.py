@@ -8,8 +8,44 @@ from wild_forms import SINGLE, Robot, driven, wheel_truth
 
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.recording import read_recording
+from fsm_calib.recording.draft import draft_of_tables
 from fsm_calib.recording.named import Named
 from fsm_calib.recording.robot_files import read_robot_file
+
+TABLES = {
+    "decimal commas": (
+        ";",
+        lambda v: f"{v:.6f}".replace(".", ","),
+        ("Time [s]", "X [m]", "Y [m]", "Yaw [rad]"),
+    ),
+    "printed by rostopic": (",", lambda v: f"{v:.6f}", ("%time", "field.x", "field.y", "field.theta")),
+}
+
+
+@pytest.mark.parametrize("form", TABLES)
+def test_tables_of_other_houses_are_drafted_and_read(tmp_path, form):
+    mark, written, names = TABLES[form]
+    pose = driven(seed=3, duration=10.0).pose
+    rows = zip(pose.time, pose.x, pose.y, pose.theta, strict=True)
+    lines = [mark.join(names), *(mark.join(map(written, row)) for row in rows)]
+    (tmp_path / "log.csv").write_text("\n".join(lines) + "\n")
+    (tmp_path / "log.recording.yaml").write_text(draft_of_tables([tmp_path / "log.csv"], tmp_path))
+    found = read_recording(tmp_path / "log.recording.yaml").pose
+    assert found.x == pytest.approx(pose.x, abs=1e-6)
+    assert found.theta == pytest.approx(pose.theta, abs=1e-6)
+
+
+@pytest.mark.parametrize("nothing", ["", "nan"])
+def test_rows_of_a_tracker_that_lost_the_robot_are_left_out_and_told(tmp_path, nothing):
+    lines = [f"{0.1 * i:.1f},{0.01 * i:.2f},0.0,0.0" for i in range(40)]
+    lines[7] = f"0.7,{nothing},{nothing},{nothing}"
+    (tmp_path / "p.csv").write_text("t,x,y,theta\n" + "\n".join(lines) + "\n")
+    (tmp_path / "recording.yaml").write_text(
+        "format: fsm-calib/recording@1\nchannels:\n  pose: {file: p.csv, time: t, x: x, y: y, theta: theta}\n"
+    )
+    found = read_recording(tmp_path)
+    assert len(found.pose) == 39
+    assert any("1 rows are empty or NaN" in finding.sentence for finding in found.checks)
 
 
 def read(form):

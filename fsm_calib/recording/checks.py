@@ -1,7 +1,7 @@
 """The checks that a person would make on a recording: what is impossible is refused, what is odd is told.
 
-Rows whose time goes backwards are dropped; of two commands at one instant the later holds; everything else
-stays as it was recorded and is told as a `Finding`.
+Rows that neighbours overtook are sorted; others whose time goes backwards are dropped; of two commands at one instant
+the later holds; everything else stays as it was recorded and is told as a `Finding`.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ LARGEST_NUMBER = (
 LARGEST_COMMAND = 2.0  # a logger may note what is clipped later, but not twice the largest command
 REFUSED = ("mirrored", "heading", "impossible")  # kinds of findings after which nothing can be trusted
 LONGEST_HOLE = 3_600.0  # s between two rows of one drive
+FARTHEST_OVERTAKEN = 10  # rows: a network or a logger's threads exchange neighbours, not parts of a drive
 MOST_BACKWARDS = 0.02  # share of rows with time going backwards above which the column is no clock
 
 
@@ -109,6 +110,12 @@ def _increasing(name: str, channel: Channel, source: Rows) -> tuple[Channel, lis
         _refuse_hole(name, channel, source, np.arange(len(channel)))
         return channel, []
     back = np.flatnonzero(step < 0) + 1
+    order = np.argsort(channel.time, kind="stable")
+    if len(back) and np.abs(order - np.arange(len(order))).max() <= FARTHEST_OVERTAKEN:
+        sentence = f"{len(back)} rows were written after later ones; sorted by their times"
+        told = Finding(name, "unsorted", sentence, "kept", len(back), float(channel.time[back[0]]))
+        sorted_channel, found = _increasing(name, channel.rows(order), source)
+        return sorted_channel, [told, *found]
     if len(back) > MOST_BACKWARDS * len(channel):
         raise InputError(
             f"time goes backwards in {len(back)} of {len(channel)} rows of channel {name}",

@@ -27,6 +27,9 @@ TIMES = (
     "unixtime",
     "elapsed",
     "elapsedtime",
+    "frametime",
+    "timesec",
+    "simtime",
 )
 LINEAR = (
     "linearvelocity", "linearspeed", "velocity", "linvel", "linearvel", "forwardvelocity", "forwardspeed",
@@ -55,7 +58,20 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "qy": ("qy", "orientationy", "poseorientationy", "quaty"),
     "qz": ("qz", "orientationz", "poseorientationz", "quatz"),
     "qw": ("qw", "orientationw", "poseorientationw", "quatw"),
-    "v": ("v", "linearx", "linx", "vx", "twistlinearx", "speed", "linear", "vlin", "cmdv", *LINEAR),
+    "v": (
+        "v",
+        "linearx",
+        "linx",
+        "vx",
+        "twistlinearx",
+        "speed",
+        "linear",
+        "vlin",
+        "cmdv",
+        "vcmd",
+        "vel",
+        *LINEAR,
+    ),
     "omega": (
         "omega",
         "w",
@@ -66,6 +82,9 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
         "angular",
         "vang",
         "cmdomega",
+        "cmdw",
+        "wcmd",
+        "omegacmd",
         "turn",
         *ANGULAR,
     ),
@@ -79,6 +98,8 @@ UNITS = {
 }  # fmt: skip
 LEADING = ("rpm", "ticks", "tick", "counts", "deg")
 """Units that people write ahead of a name: ``rpm_left``."""
+PRINTED = "field"
+"""What `rostopic echo -p` writes ahead of every column."""
 SECONDS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 METRES = {"mm": 1e-3, "cm": 1e-2, "mm/s": 1e-3}
 
@@ -95,6 +116,7 @@ class Guess:
 def plain(name: str) -> tuple[str, str]:
     """Return a column's name without marks and unit, and the unit; empty where it names none."""
     words = [w for w in re.split(r"[^a-z0-9]+", re.sub(r"(rad|deg|mm|m)/s\b", r"\1ps", name.lower())) if w]
+    words = words[1:] if len(words) > 1 and words[0] == PRINTED else words
     if len(words) < 2:
         return "".join(words), ""
     if unit := UNITS.get(words[-1], ""):

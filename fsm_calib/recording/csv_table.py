@@ -1,7 +1,8 @@
 """Read columns of a CSV file (plain or .gz) fast, and say file and line of whatever is wrong with it.
 
 The first line names the columns; the separator is a comma, a semicolon or a tab, whichever the first line
-has. Blank lines are skipped. Numbers must be finite: an empty cell, a word or NaN is an error.
+has. Where it is no comma, decimal commas are read as points, unless the table has points too. Blank lines are skipped.
+Numbers must be finite: an empty cell, a word or NaN is an error, but for rows of a tracker that lost the robot.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+import re
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,26 +25,34 @@ LONGEST_LINE = 65_536  # bytes; a row of numbers has some hundred, so a longer o
 LARGEST_TABLE = 1 << 30  # bytes of text after unpacking; 10 h at 1 kHz stays below it
 LARGEST_NUMBER = 1e100  # far beyond any unit; larger ones only overflow later
 CHUNK = 1 << 20  # bytes read at a time
+COMMA, POINT = re.compile(r"(?<=\d),(?=\d)"), re.compile(r"\d\.\d")
+LOST = ("", "nan", "none", "null", "n/a")  # what trackers write where they do not see the robot
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
     """Columns of one file: `numbers` by column name, shape (n,); `words` by column name; the line of each
-    row.
+    row; how many rows were left out, as nothing was measured.
     """
 
     file: str
     numbers: dict[str, FloatArray]
     words: dict[str, tuple[str, ...]]
     lines: tuple[int, ...]
+    lost: int = 0
 
     def where(self, row: int) -> str:
         """Return ``file:line`` of a row."""
         return f"{self.file}:{self.lines[row]}"
 
 
-def read_table(path: Path, numeric: Sequence[str], text: Sequence[str] = ()) -> Table:
+def read_table(
+    path: Path, numeric: Sequence[str], text: Sequence[str] = (), together: Sequence[str] = ()
+) -> Table:
     """Read the named columns.
+
+    together : numeric columns of one measurement; a row in which all of them are empty or NaN was not measured and is
+    left out.
 
     Raises
     ------
@@ -60,13 +70,16 @@ def read_table(path: Path, numeric: Sequence[str], text: Sequence[str] = ()) -> 
     for name in (*numeric, *text):
         if name not in names:
             raise UnknownNameError("column", name, names, where=f"{path}:{header_line}")
-    rows = numbered[1:]
+    written = _with_points(numbered[1:], separator)
+    rows = written
+    if together:
+        rows = _measured(path, written, [names.index(name) for name in together], separator)
     if not rows:
         raise InputError("the file has a header but no rows", where=f"{path}:{header_line}")
     wanted = [names.index(name) for name in numeric]
     numbers = _numbers(path, rows, wanted, numeric, len(names), separator) if numeric else {}
     words = {name: _words(path, rows, names.index(name), separator) for name in text}
-    return Table(str(path), numbers, words, tuple(line for line, _ in rows))
+    return Table(str(path), numbers, words, tuple(line for line, _ in rows), len(written) - len(rows))
 
 
 def header_of(path: Path) -> list[str]:
@@ -153,6 +166,25 @@ def _reason(error: Exception) -> str:
 
 def _separator(header: str) -> str:
     return next((mark for mark in ",;\t" if mark in header), ",")
+
+
+def _with_points(rows: list[tuple[int, str]], separator: str) -> list[tuple[int, str]]:
+    """Return the rows with decimal commas as points, where commas do not separate and no point is there."""
+    if separator == "," or any(POINT.search(line) for _, line in rows):
+        return rows
+    return [(number, COMMA.sub(".", line)) for number, line in rows]
+
+
+def _measured(
+    path: Path, rows: list[tuple[int, str]], places: Sequence[int], separator: str
+) -> list[tuple[int, str]]:
+    """Return the rows in which not all cells at `places` are empty or NaN."""
+    kept = []
+    for number, line in rows:
+        cells = _split(path, number, line, separator) if '"' in line else line.split(separator)
+        seen = len(cells) <= max(places) or any(cells[i].strip().lower() not in LOST for i in places)
+        kept += [(number, line)] if seen else []
+    return kept
 
 
 def _split(path: Path, number: int, line: str, separator: str) -> list[str]:

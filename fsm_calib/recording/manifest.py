@@ -39,7 +39,7 @@ from fsm_calib.recording.manifest_schema import (
     validate_manifest,
 )
 from fsm_calib.recording.named import Named
-from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.recording.recording import Finding, Recording, RobotFacts
 from fsm_calib.recording.robot_files import read_robot_file, with_facts
 from fsm_calib.recording.stamps import Stamps, read_stamps, refuse_long, zero_told, zeros_of
 from fsm_calib.recording.tag_poses import TagMap
@@ -89,10 +89,26 @@ def read_manifest(path: Path, tag_map: TagMap | None = None) -> Recording:
         robot=facts,
         source=str(path),
         clock_zero=zero,
-        checks=tuple(zero_told(zero)),
+        checks=(*zero_told(zero), *_lost_told(sources)),
         **channels,
     )
     return checked(recording, sources, _stated(sections))
+
+
+def _lost_told(sources: Mapping[str, Table]) -> list[Finding]:
+    """Return a sentence for each channel with rows in which nothing was measured."""
+    return [
+        Finding(
+            name,
+            "lost",
+            f"{table.lost} rows are empty or NaN: nothing was measured",
+            "dropped",
+            table.lost,
+            0.0,
+        )
+        for name, table in sources.items()
+        if table.lost
+    ]
 
 
 def _stated(sections: Mapping[str, ChannelSection]) -> set[str]:
@@ -161,7 +177,8 @@ def _read_section(manifest: Path, section: ChannelSection, place: str) -> Table:
             where=place,
             cure="Names are relative to the manifest.",
         )
-    return read_table(file, list(dict.fromkeys(numeric)), text)
+    seen = [name for name in numeric if name != section.duration] if isinstance(section, PoseSection) else []
+    return read_table(file, list(dict.fromkeys(numeric)), text, seen)
 
 
 def _stamps(section: ChannelSection, table: Table) -> Stamps:

@@ -1,8 +1,9 @@
 """A unit that is off shows: the same drive, told by two channels, differs by a factor that units differ by.
 
 Compared are the ways that wheels or commands and the poses say the robot went, and the turns that commands, gyro and
-poses say it made. A factor near 2 pi / 60 (rpm), pi / 180 (degrees) or 1000 (millimetres) is taken off and told, where
-the unit was not stated; a factor 2 (diameter for radius, half an axle) may be the robot and is told.
+poses say it made. A factor near 2 pi / 60 (rpm), pi / 180 (degrees), 1000 (millimetres) or, beside
+speeds, 100 (centimetres) is taken off and told, where the unit was not stated; a factor 2 (diameter for radius, half an
+axle) may be the robot and is told.
 """
 
 from __future__ import annotations
@@ -50,7 +51,8 @@ def with_guessed_units(recording: Recording, stated: Collection[str] = ()) -> Re
 
     `stated` names keys of `COLUMNS`. Headings in degrees are judged by their own size.
     """
-    recording = _millimetres_by_speed(_degrees_of_heading(recording, stated), stated)
+    recording = _centimetres(_degrees_of_heading(recording, stated), stated)
+    recording = _millimetres_by_speed(recording, stated)
     pose = recording.pose
     if pose is None or not np.isfinite(pose.x).any():
         return recording
@@ -150,7 +152,7 @@ def _degrees_of_heading(recording: Recording, stated: Collection[str]) -> Record
     if pose is None or "pose.theta" in stated:
         return recording
     theta = pose.theta[np.isfinite(pose.theta)]
-    if len(theta) < FEWEST or not 2.0 * math.pi * 1.05 < float(np.abs(theta).max()) <= 361.0:
+    if len(theta) < FEWEST or float(np.abs(theta).max()) < 2.0 * math.pi * 1.05:
         return recording
     direction, moves = _directions(pose)
     if len(moves) < FEWEST:
@@ -163,6 +165,18 @@ def _degrees_of_heading(recording: Recording, stated: Collection[str]) -> Record
     said = f"headings up to {np.abs(theta).max():.0f} are read as degrees: only so does the robot drive where it looks"
     turned = dataclasses.replace(pose, theta=pose.theta * DEGREE)
     return _with(dataclasses.replace(recording, pose=turned), Finding("pose", "unit_guess", said))
+
+
+def _centimetres(recording: Recording, stated: Collection[str]) -> Recording:
+    """Read positions as centimetres where speeds say so; rates do not, as rpm beside millimetres look the same."""
+    for name in ("twist.v", "wheel_speed"):
+        way, pose = _said(recording, name), recording.pose
+        if way is None or pose is None or "pose.length" in stated or not np.isfinite(pose.x).any():
+            continue
+        ratio = _ratio(pose, *way, WAY)
+        if ratio is not None and _near(ratio, 100.0):
+            return _scaled(recording, "pose.length", 0.01, "cm", stated)
+    return recording
 
 
 def _millimetres_by_speed(recording: Recording, stated: Collection[str]) -> Recording:
