@@ -107,6 +107,28 @@ def test_transforms_of_a_motion_capture_are_poses_and_those_of_the_odometry_are_
     assert found.pose.x == pytest.approx(TIME, abs=1e-6)
 
 
+def test_a_world_with_the_name_of_its_house_is_a_world(tmp_path):
+    bag = BagWriter("mcap")
+    types = bag.store.types
+    for time in TIME:
+        pose = bag.pose(time, 0.0, 0.0)
+        place = types["geometry_msgs/msg/Vector3"](time, 0.0, 0.0)
+        moved = types["geometry_msgs/msg/Transform"](place, pose.orientation)
+        header = bag.header(time, "vicon/world")
+        part = types["geometry_msgs/msg/TransformStamped"](header, "vicon/tb3/tb3", moved)
+        bag.add(time, "/tf", "tf2_msgs/msg/TFMessage", transforms=[part])
+    assert read_recording(bag.write(tmp_path / "tf")).pose.x == pytest.approx(TIME, abs=1e-6)
+
+
+def test_poses_that_were_passed_over_are_told_with_the_option_that_takes_them(tmp_path):
+    bag = BagWriter("ros1")
+    for time in TIME:
+        bag.add(time, "/odom", "nav_msgs/msg/Odometry")
+        bag.add(time, "/cmd_vel", "geometry_msgs/msg/Twist", **{"linear": bag.twist(1.0, 0.0).linear})
+    found = read_recording(bag.write(tmp_path / "odom"))
+    assert any("if it is measured: --pose /odom" in str(finding) for finding in found.checks)
+
+
 def test_an_odometry_measures_no_pose_but_its_twist_may_be_the_wheels(tmp_path):
     bag = BagWriter("ros1")
     for time in TIME:

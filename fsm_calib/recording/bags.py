@@ -26,7 +26,7 @@ from fsm_calib.recording.named import NOTHING, Named
 from fsm_calib.recording.recording import CHANNELS, Finding, Recording, RobotFacts
 from fsm_calib.recording.stamps import zero_told
 from fsm_calib.recording.tag_poses import TagMap, TagRow, poses_from_tags, rows_of_message
-from fsm_calib.recording.topics import Topic, chosen, commanded, first_of, measured_pose
+from fsm_calib.recording.topics import Topic, chosen, commanded, first_of, measured_pose, passed_over
 from fsm_calib.recording.undirected import directed
 from fsm_calib.recording.writers import HEAD_TOPIC, TOPIC
 
@@ -111,9 +111,23 @@ def _any_bag(path: Path, topics: dict[str, Topic], tag_map: TagMap | None, named
         track, finding = poses_from_bag_images(path, tag_map, start / SECOND)
         found |= {} if track is None else {"pose": track}
         findings.append(finding)
+    if "pose" not in found:
+        findings += _passed_over(topics)
     if not found:
         raise InputError(f"no topic tells of a drive; the bag holds {_all(topics)}", where=where)
     return Recording(robot=facts, source=where, checks=tuple(findings), clock_zero=start / SECOND, **found)
+
+
+def _passed_over(topics: dict[str, Topic]) -> list[Finding]:
+    """Return a sentence where topics hold poses that are computed, as it seems, and the option that takes one."""
+    poses = passed_over(topics, ros.POSES)
+    if not poses:
+        return []
+    said = (
+        f"none was read: {', '.join(map(str, poses))} seems computed by the robot, which measures nothing; if it is "
+        f"measured: --pose {poses[0].name}"
+    )
+    return [Finding("pose", "topic", said, "kept", 0, 0.0)]
 
 
 def _used(topics: dict[str, Topic], named: Named, where: str) -> dict[str, Topic]:

@@ -107,11 +107,21 @@ def _at_most_one(topics: list[Topic]) -> list[Topic]:
 
 
 def _is_measured(topic: Topic) -> bool:
-    if topic.parent is not None and (topic.parent.strip("/") not in WORLDS or "odom" in topic.name):
+    if topic.parent is not None and (_frame(topic.parent) not in WORLDS or "odom" in topic.name):
         return False
     if topic.kind == "Odometry":
         return says(topic, MEASURED)
     return not says(topic, GOALS) and not says(topic, COMPUTED)
+
+
+def _frame(name: str) -> str:
+    """Return a frame without the names of its house: ``vicon/world`` is a world."""
+    return name.strip("/").rpartition("/")[2]
+
+
+def passed_over(topics: Mapping[str, Topic], kinds: Sequence[str]) -> list[Topic]:
+    """Return the topics of poses that were taken for computed ones; goals are none."""
+    return [t for t in topics.values() if t.kind in kinds and len(t.rows) >= FEWEST and not says(t, GOALS)]
 
 
 def commanded(topics: Mapping[str, Topic], kinds: Sequence[str], where: str) -> Topic | None:
