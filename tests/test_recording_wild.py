@@ -7,6 +7,7 @@ import pytest
 from wild_forms import SINGLE, Robot, driven, wheel_truth
 
 from fsm_calib.diagnosis.identify.identify import identify
+from fsm_calib.errors import InputError
 from fsm_calib.recording import read_recording
 from fsm_calib.recording.draft import draft_of_tables
 from fsm_calib.recording.named import Named
@@ -33,6 +34,29 @@ def test_tables_of_other_houses_are_drafted_and_read(tmp_path, form):
     found = read_recording(tmp_path / "log.recording.yaml").pose
     assert found.x == pytest.approx(pose.x, abs=1e-6)
     assert found.theta == pytest.approx(pose.theta, abs=1e-6)
+
+
+def two_robots_in_one_file(folder, name):
+    rows = [
+        f"{0.1 * i:.1f},{bot},{x + 0.01 * i:.2f},0.0"
+        for i in range(40)
+        for bot, x in (("a", 0.0), ("b", 2.0))
+    ]
+    (folder / "p.csv").write_text("t,robot,x,y\n" + "\n".join(rows) + "\n")
+    (folder / "recording.yaml").write_text(
+        "format: fsm-calib/recording@1\nchannels:\n"
+        f"  pose: {{file: p.csv, time: t, x: x, y: y, only: {{robot: {name}}}}}\n"
+    )
+    return folder
+
+
+def test_one_of_two_robots_in_a_file_is_taken_by_its_name(tmp_path):
+    assert read_recording(two_robots_in_one_file(tmp_path, "b")).pose.x[0] == 2.0
+
+
+def test_a_robot_that_is_not_in_the_file_is_refused_with_those_that_are(tmp_path):
+    with pytest.raises(InputError, match=r"'c'.*Known: a, b"):
+        read_recording(two_robots_in_one_file(tmp_path, "c"))
 
 
 @pytest.mark.parametrize("nothing", ["", "nan"])

@@ -120,7 +120,7 @@ def _increasing(name: str, channel: Channel, source: Rows) -> tuple[Channel, lis
         raise InputError(
             f"time goes backwards in {len(back)} of {len(channel)} rows of channel {name}",
             where=source.where(int(back[0])),
-            cure="Is this the time column?",
+            cure="Is this the time column? Of several robots in one table, `only` takes one.",
         )
     findings = []
     keep = np.ones(len(channel), dtype=bool)

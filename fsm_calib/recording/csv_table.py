@@ -12,7 +12,7 @@ import gzip
 import io
 import re
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,6 +26,7 @@ LARGEST_TABLE = 1 << 30  # bytes of text after unpacking; 10 h at 1 kHz stays be
 LARGEST_NUMBER = 1e100  # far beyond any unit; larger ones only overflow later
 CHUNK = 1 << 20  # bytes read at a time
 COMMA, POINT = re.compile(r"(?<=\d),(?=\d)"), re.compile(r"\d\.\d")
+MOST_WORDS = 20  # of a column that are listed
 LOST = ("", "nan", "none", "null", "n/a")  # what trackers write where they do not see the robot
 
 
@@ -47,9 +48,15 @@ class Table:
 
 
 def read_table(
-    path: Path, numeric: Sequence[str], text: Sequence[str] = (), together: Sequence[str] = ()
+    path: Path,
+    numeric: Sequence[str],
+    text: Sequence[str] = (),
+    together: Sequence[str] = (),
+    only: Mapping[str, str] | None = None,
 ) -> Table:
     """Read the named columns.
+
+    only : words by column; other rows are another robot's and are left out.
 
     together : numeric columns of one measurement; a row in which all of them are empty or NaN was not measured and is
     left out.
@@ -67,10 +74,12 @@ def read_table(
     header_line, header = numbered[0]
     separator = _separator(header)
     names = _header_names(path, header_line, header, separator)
-    for name in (*numeric, *text):
+    for name in (*numeric, *text, *(only or ())):
         if name not in names:
             raise UnknownNameError("column", name, names, where=f"{path}:{header_line}")
     written = _with_points(numbered[1:], separator)
+    for name, word in (only or {}).items():
+        written = _with_word(path, written, name, names.index(name), word, separator)
     rows = written
     if together:
         rows = _measured(path, written, [names.index(name) for name in together], separator)
@@ -173,6 +182,17 @@ def _with_points(rows: list[tuple[int, str]], separator: str) -> list[tuple[int,
     if separator == "," or any(POINT.search(line) for _, line in rows):
         return rows
     return [(number, COMMA.sub(".", line)) for number, line in rows]
+
+
+def _with_word(
+    path: Path, rows: list[tuple[int, str]], name: str, index: int, word: str, separator: str
+) -> list[tuple[int, str]]:
+    """Return the rows with a word in a column; raise InputError where there is none, with the words that are."""
+    words = _words(path, rows, index, separator)
+    kept = [row for row, found in zip(rows, words, strict=True) if found == word]
+    if rows and not kept:
+        raise UnknownNameError(f"{name} in `only`:", word, sorted(set(words))[:MOST_WORDS], where=f"{path}:1")
+    return kept
 
 
 def _measured(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fsm_calib.errors import InputError
-from fsm_calib.recording.column_guesses import Guess, guessed
+from fsm_calib.recording.column_guesses import Guess, guessed, plain
 from fsm_calib.recording.csv_table import header_of
 from fsm_calib.recording.manifest_schema import FORMAT
 
@@ -20,6 +20,21 @@ ROBOT = """robot:
 """
 
 
+ROBOTS = (
+    "robot",
+    "robotid",
+    "robotname",
+    "name",
+    "id",
+    "body",
+    "rigidbody",
+    "vehicle",
+    "agent",
+    "object",
+    "subject",
+)
+"""What people call the column that says whose row it is."""
+SEVERAL = "  # several robots in it? add to its channels: only: {{{column}: NAME}}"
 UNKNOWN = (
     "  # no time or no column known by its name; if it holds the commands:\n"
     "  # command: {{file: {file}, time: COLUMN, v: COLUMN, omega: COLUMN, unit: twist}}"
@@ -44,6 +59,8 @@ def draft_of_tables(paths: Sequence[Path], beside: Path) -> str:
         for guess in guesses:
             lines += _section(guess, comment=guess.channel in seen)
             seen.add(guess.channel)
+        several = next((name for name in header if plain(name)[0] in ROBOTS), None)
+        lines += [SEVERAL.format(column=_quoted(several))] if several else []
         lines += [] if guesses else [UNKNOWN.format(file=_quoted(file))]
     if not seen:
         raise InputError(

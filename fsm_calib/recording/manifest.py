@@ -178,7 +178,7 @@ def _read_section(manifest: Path, section: ChannelSection, place: str) -> Table:
             cure="Names are relative to the manifest.",
         )
     seen = [name for name in numeric if name != section.duration] if isinstance(section, PoseSection) else []
-    return read_table(file, list(dict.fromkeys(numeric)), text, seen)
+    return read_table(file, list(dict.fromkeys(numeric)), text, seen, section.only)
 
 
 def _stamps(section: ChannelSection, table: Table) -> Stamps:

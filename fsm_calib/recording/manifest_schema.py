@@ -45,10 +45,11 @@ class RobotSection(Section):
 
 class ChannelSection(Section):
     """A file and its time column, or a column of interval lengths; `time_unit` [s], `length_unit` [m] per
-    unit.
+    unit; `only` the rows with these words in these columns.
     """
 
     file: Name
+    only: dict[Name, str] | None = None
     time: Name | None = None
     duration: Name | None = None
     time_unit: Positive | None = None
