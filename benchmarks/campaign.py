@@ -24,7 +24,7 @@ import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -208,13 +208,19 @@ def fuzz(campaign: Campaign, kinds: list[str], cases: int, seconds: float, turns
         campaign.save()
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cases", type=int, default=10_000, help="inputs of each kind")
+def options_of(about: str, kinds: Iterable[str], cases: int, out: Path) -> argparse.ArgumentParser:
+    """Return the options that every campaign has: how much of which kinds, from which seed, kept where."""
+    parser = argparse.ArgumentParser(description=about.splitlines()[0])
+    parser.add_argument("--cases", type=int, default=cases, help="of each kind")
     parser.add_argument("--seconds", type=float, default=3600.0)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", type=Path, default=Path("out/campaign"))
-    parser.add_argument("--kind", action="append", choices=list(KINDS))
+    parser.add_argument("--out", type=Path, default=out)
+    parser.add_argument("--kind", action="append", choices=list(kinds))
+    return parser
+
+
+def main() -> int:
+    parser = options_of(__doc__, KINDS, 10_000, Path("out/campaign"))
     parser.add_argument("--sample", action="store_true", help="the first inputs of seed 1")
     options = parser.parse_args()
     if options.sample:

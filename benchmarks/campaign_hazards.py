@@ -19,7 +19,8 @@ from campaign_children import Child, command, started
 from edges import FAULTS, is_good
 from fleet_runs import NO_PICTURES, SCENARIOS
 
-from fsm_calib.errors import FsmCalibError
+from fsm_calib.errors import DataError, FsmCalibError
+from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME, read_checkpoint
 
 LONGEST_LINE = 1200  # characters of a sentence
 OWN_TIME = {"wall", "by_part"}
@@ -29,6 +30,9 @@ DISTURBED = (*["wheels_only"] * 4, *["camera_only"] * 3, *["exit"] * 3, "full_ca
 """Scenarios that are killed and stopped, the short ones more often."""
 STATES = ("full_calibration", "full_calibration", "wheels_only", "exit")
 """Scenarios in whose states faults begin."""
+DAMAGED = (CHECKPOINT_NAME, JOURNAL_NAME)
+FLIPS = 1000
+"""Bits that are flipped in each of them."""
 LONGEST_RUN = 900.0
 """Robot time within which every run has ended by its own limits [s]; a fault begins in the first 600 s of it."""
 
@@ -273,6 +277,50 @@ def pair(case: Case) -> None:
     expect_equal(out, reference)
 
 
+def damage(case: Case) -> None:
+    """Cut a killed run's files at every byte and flip bits of them: refused, or the very same state is gone on with."""
+    name, seed = case.rng.choice(DISTURBED), case.rng.randrange(3)
+    reference, out = case.reference(name, seed), case.folder / "out"
+    event, delay = moment_of(case, reference)
+    file = scenario_file(case.folder, name, seed)
+    child = started(command(["run", str(file), "--out", str(out)]), case.folder / "log")
+    disturbed(child, out, event, delay, signal.SIGKILL)
+    child.wait()
+    sizes = {path: (out / path).stat().st_size for path in DAMAGED if (out / path).exists()}
+    case.choose(scenario=name, seed=seed, after=(event, delay), bytes=sizes)
+    if len(sizes) < len(DAMAGED):
+        return  # killed before its first event
+    sound = taken_up(out)
+    for path in DAMAGED:
+        whole = (out / path).read_bytes()
+        for harmed in damaged(whole, case.rng):
+            (out / path).write_bytes(harmed)
+            if taken_up(out) not in (None, sound):
+                raise Wrong(f"{path}, {len(harmed)} of {len(whole)} bytes, is gone on with otherwise")
+        (out / path).write_bytes(whole)
+    finish(case, ["run", str(file), "--resume", str(out)], file, out, reference)
+
+
+def damaged(whole: bytes, rng: random.Random) -> Iterator[bytes]:
+    """Yield a file cut at every byte, then with one bit flipped, at random."""
+    for length in range(len(whole)):
+        yield whole[:length]
+    for _ in range(FLIPS):
+        harmed, bit = bytearray(whole), rng.randrange(8 * len(whole))
+        harmed[bit // 8] ^= 1 << bit % 8
+        yield bytes(harmed)
+
+
+def taken_up(directory: Path) -> tuple[dict[str, Any], bytes] | None:
+    """Return what a resumed run would begin with, state and events; None where it refuses."""
+    try:
+        state = read_checkpoint(directory)
+    except DataError:
+        return None
+    kept = 0 if state is None else state["journal_length"]
+    return state or {}, (directory / JOURNAL_NAME).read_bytes()[:kept]
+
+
 def faults(case: Case) -> None:
     """Let one or two faults begin at random: the run ends by name, wheels at zero, in time; `done` must be good."""
     name, seed = case.rng.choice(STATES), case.rng.randrange(1000)
@@ -332,10 +380,5 @@ HAZARDS: dict[str, Callable[[Case], None]] = {
     "full disk": full,
     "place": place,
     "two at once": pair,
+    "damage": damage,
 }
-
-
-def turns() -> Iterator[str]:
-    """Yield the kinds in turn, without end."""
-    while True:
-        yield from HAZARDS

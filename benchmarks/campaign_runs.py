@@ -11,6 +11,7 @@
 | full disk | no file may grow beyond a random size | a sentence, nothing half written; with room again as above |
 | place | a place where nothing, or not everything, can be written | a sentence |
 | two at once | two runs in one directory | one is refused; the result is whole |
+| damage | a killed run's checkpoint and journal cut at every byte, 2,000 bits of either flipped | refused, or gone on with from nothing but what was written |
 
 The campaign goes on where it was when the command is given again: --out holds a line for each case (`cases.jsonl`: what was
 decided, how it ended), `report.md`, and the folder of every case that was not right. Exit code 1 where there was one.
@@ -18,7 +19,6 @@ decided, how it ended), `report.md`, and the folder of every case that was not r
 
 from __future__ import annotations
 
-import argparse
 import json
 import random
 import shutil
@@ -26,11 +26,13 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from campaign import options_of
 from campaign_children import Hang, command, started
 from campaign_hazards import HAZARDS, Case, Wrong, scenario_file
 
@@ -91,6 +93,11 @@ class Campaign:
         """Return the number of the next case of a kind."""
         return sum(row["kind"] == kind for row in self.rows)
 
+    def turns(self, kinds: list[str], cases: int) -> Iterator[str]:
+        """Yield the kinds in turn until each has had `cases`; every one that is yielded is to be judged."""
+        while pending := [kind for kind in kinds if self.next_case(kind) < cases]:
+            yield from pending
+
     def report(self) -> str:
         """Return the tables of kinds, of how faults ended, and of what was found."""
         lines = [
@@ -127,12 +134,7 @@ def warm() -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cases", type=int, default=200, help="of each kind")
-    parser.add_argument("--seconds", type=float, default=3600.0)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", type=Path, default=Path("out/campaign-runs"))
-    parser.add_argument("--kind", action="append", choices=list(HAZARDS))
+    parser = options_of(__doc__, HAZARDS, 200, Path("out/campaign-runs"))
     parser.add_argument("--case", type=int, help="this one alone, again")
     options = parser.parse_args()
     campaign, kinds = Campaign(options.out, options.seed), options.kind or list(HAZARDS)
@@ -142,18 +144,14 @@ def main() -> int:
         print(json.dumps(row, indent=1))
         return int(bool(row["found"]))
     until = time.monotonic() + options.seconds
-    while pending := [kind for kind in kinds if campaign.next_case(kind) < options.cases]:
-        for kind in pending:
-            if time.monotonic() > until:
-                break
-            row = campaign.judge(kind, campaign.next_case(kind))
-            campaign.add(row)
-            print(
-                f"{kind} {row['case']}: {row['found'] or 'right'} ({row['seconds']} s) {row['plan']}",
-                flush=True,
-            )
+    for kind in campaign.turns(kinds, options.cases):
         if time.monotonic() > until:
             break
+        row = campaign.judge(kind, campaign.next_case(kind))
+        campaign.add(row)
+        print(
+            f"{kind} {row['case']}: {row['found'] or 'right'} ({row['seconds']} s) {row['plan']}", flush=True
+        )
     print(campaign.report(), end="")
     return int(any(row["found"] for row in campaign.rows))
 

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from recording_samples import ROOT
 
+from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME, Journal, read_checkpoint
+
 sys.path.insert(0, str(ROOT / "benchmarks"))
 _spec = importlib.util.spec_from_file_location("campaign_runs", ROOT / "benchmarks" / "campaign_runs.py")
 campaign_runs = importlib.util.module_from_spec(_spec)
@@ -100,3 +102,37 @@ def test_a_case_that_is_not_right_is_kept_with_its_plan_and_not_judged_twice(
     assert "planted" in (tmp_path / "report.md").read_text()
     with pytest.raises(SystemExit, match="another seed"):
         campaign_runs.Campaign(tmp_path, 4)
+
+
+def test_damage_that_is_gone_on_with_is_seen(tmp_path: Path) -> None:
+    journal = Journal(tmp_path)
+    for number in range(3):
+        journal.append({"seq": number})
+        journal.checkpoint({"sequence": number + 1})
+    journal.close()
+    sound = campaign_hazards.taken_up(tmp_path)
+    whole = (tmp_path / JOURNAL_NAME).read_bytes()
+    assert sound == (read_checkpoint(tmp_path), whole)
+    (tmp_path / JOURNAL_NAME).write_bytes(whole + b"{")
+    assert campaign_hazards.taken_up(tmp_path) == sound
+    (tmp_path / JOURNAL_NAME).write_bytes(whole.replace(b"1", b"2", 1))
+    assert campaign_hazards.taken_up(tmp_path) is None
+    (tmp_path / CHECKPOINT_NAME).unlink()
+    assert campaign_hazards.taken_up(tmp_path) == ({}, b"")
+
+
+def test_a_file_is_cut_at_every_byte_and_loses_single_bits() -> None:
+    harmed = list(campaign_hazards.damaged(b"abc", random.Random(1)))
+    assert harmed[:3] == [b"", b"a", b"ab"]
+    assert len(harmed) == 3 + campaign_hazards.FLIPS
+    bits = {int.from_bytes(one, "big") ^ int.from_bytes(b"abc", "big") for one in harmed[3:]}
+    assert bits == {1 << bit for bit in range(24)}
+
+
+def test_kinds_take_turns_until_each_has_had_its_cases(tmp_path: Path) -> None:
+    campaign = campaign_runs.Campaign(tmp_path, 3)
+    taken = []
+    for kind in campaign.turns(["kill", "place"], 2):
+        taken.append(kind)
+        campaign.rows.append({"kind": kind})
+    assert taken == ["kill", "place", "kill", "place"]
