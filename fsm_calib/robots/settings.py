@@ -23,7 +23,8 @@ class LinkSettings:
     resend : float
         A held command is published again after this [s]; each time another whole PWM number may be nearest.
     quiet : float
-        The guard puts the wheels to zero when the program has been silent for this [s].
+        The guard puts the wheels to zero when the program has been silent for this [s], and the program when the guard
+        has.
     patience : float
         How long a program may compute while the wheels turn [s]; then it counts as hung.
     echo : float

@@ -18,8 +18,6 @@ from fsm_calib.robots.guard.setup import GuardSetup
 
 START = 30.0
 """Longest wait for the guard to be ready [s]."""
-DEAD = 0.2
-"""A guard that says nothing for this long hangs [s]; it speaks at every command that it sends, 20 times a second."""
 DEAD_CURE = "The wheels were put to zero without it. Look at the robot, then go on."
 
 
@@ -40,7 +38,7 @@ class GuardClient:
     """
 
     def __init__(self, setup: GuardSetup, on_dead: Callable[[], None]) -> None:
-        self._lockstep, self._on_dead = setup.lockstep, on_dead
+        self._lockstep, self._on_dead, self._quiet = setup.lockstep, on_dead, setup.settings.quiet
         self._changed = threading.Condition()
         self._done = self._number = 0
         self._up = self._closed = False
@@ -113,11 +111,14 @@ class GuardClient:
         self._changed.notify_all()
 
     def _watch(self) -> None:
-        """Put the wheels to zero when the guard hangs; it is ended, so that it cannot wake and go on."""
+        """Put the wheels to zero when the guard hangs; it is ended, so that it cannot wake and go on.
+
+        It speaks at every command that it sends, 20 times a second; as long as the program may, it may be silent.
+        """
         while not self._closed and self._process.poll() is None:
             time.sleep(0.02)
             turning = self.said.get("left") or self.said.get("right")
-            if turning and time.monotonic() - self._spoke > DEAD:
+            if turning and time.monotonic() - self._spoke > self._quiet:
                 self._on_dead()
                 with self._changed:
                     self._fail(LinkLost("The guard of the wheels hangs", cure=DEAD_CURE))
