@@ -18,6 +18,7 @@ from fsm_calib.robots.ros1.messages import MODE, TEXT, message_type
 from fsm_calib.robots.ros1.node import Node
 from fsm_calib.robots.served.duckiebot import ServedDuckiebot
 from fsm_calib.robots.served.settings import ServeSettings
+from fsm_calib.robots.served.station import LARGEST_CHUNK, Station
 from fsm_calib.runner.connecting import with_robot
 from fsm_calib.runner.progress import Silent
 from fsm_calib.runner.run import run_scenario
@@ -141,6 +142,16 @@ def test_the_emergency_stop_acts_at_the_next_command() -> None:
     robot.take(WheelCommand(0.2, 0.2))
     robot.run_until(1.0)
     assert kept.applied[-1][0] == STOP
+
+
+def test_a_robot_in_real_time_leaves_out_what_the_machine_could_not_do_in_time() -> None:
+    station = Station(make_world(WorldSpec()), ServeSettings(), Kept(), lockstep=False)
+    station.follow(0.02)
+    station.follow(5.0)
+    assert station.robot.now == pytest.approx(0.02 + LARGEST_CHUNK, abs=0.003)
+    assert station.stood + station.robot.now == pytest.approx(5.0, abs=0.003)
+    station.follow(5.04)
+    assert station.robot.now == pytest.approx(0.06 + LARGEST_CHUNK, abs=0.003)
 
 
 class Cut(Silent):

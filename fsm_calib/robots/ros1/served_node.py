@@ -143,29 +143,33 @@ class ServedNode:
             self._clock.publish(message_type(CLOCK).make(clock=header(self.robot.now).stamp))
         self._stepped.publish(message_type(TEXT).make(data=said))
 
+    def _stamp(self, time: float) -> float:
+        """Return what the robot's clock shows at its world's time [s]."""
+        return self._offset + self.station.stood + time
+
     def frame(self, number: int, stamp: float, image: NDArray[np.uint8]) -> None:
         """Publish a frame; see `served.duckiebot.Outlet`."""
         data = np.frombuffer(self._encode(image), dtype=np.uint8)
         kind = message_type(IMAGE)
-        self._image.publish(kind.stamped(self._offset + stamp, number, "camera", format="jpeg", data=data))
+        self._image.publish(kind.stamped(self._stamp(stamp), number, "camera", format="jpeg", data=data))
 
     def executed(self, command: WheelCommand, number: int, time: float) -> None:
         """Tell that a command has been applied; see `served.duckiebot.Outlet`."""
         kind = message_type(WHEELS)
         self._executed.publish(
-            kind.stamped(self._offset + time, number, vel_left=command.left, vel_right=command.right)
+            kind.stamped(self._stamp(time), number, vel_left=command.left, vel_right=command.right)
         )
 
     def ticks(self, side: str, count: int, time: float) -> None:
         """Publish an encoder's count; see `served.duckiebot.Outlet`."""
         kind = message_type(TICK)
         self._encoders[side].publish(
-            kind.stamped(self._offset + time, 0, data=count, resolution=RESOLUTION, type=1)
+            kind.stamped(self._stamp(time), 0, data=count, resolution=RESOLUTION, type=1)
         )
 
     def tracked(self, pose: Pose2, time: float) -> None:
         """Publish what a camera over the area measures; see `served.duckiebot.Outlet`."""
-        self._tracker.publish(pose_message(self._offset + time, pose.x, pose.y, pose.theta))
+        self._tracker.publish(pose_message(self._stamp(time), pose.x, pose.y, pose.theta))
 
     def _save(self, request: bytes) -> bytes:
         """Keep the kinematics parameters, as the robot's service writes them to its file."""

@@ -16,6 +16,8 @@ COMMAND_WAIT = 60.0
 """Longest wait for a command that a step says is on its way [s]: a loaded machine only takes longer."""
 CHUNK = 0.002
 """In real time the world is moved on so often [s]."""
+LARGEST_CHUNK = 0.05
+"""And by no more at once [s]: what a machine cannot do in time is left out, so that commands do not wait for it."""
 
 
 class Station:
@@ -43,6 +45,8 @@ class Station:
         self.robot = ServedDuckiebot(world, settings, outlet)
         self.robot.is_watched = not lockstep
         self._began = time.monotonic()
+        self.stood = 0.0
+        """How long the robot's time has stood still in all, because the machine let it starve [s]."""
 
     def start(self) -> None:
         """Let time pass as on the wall, unless it passes in steps."""
@@ -89,9 +93,15 @@ class Station:
     def _run(self) -> None:
         """Let time pass as on the wall."""
         while not self._closed:
-            with self._changed:
-                self.robot.run_until(time.monotonic() - self._began)
+            self.follow(time.monotonic() - self._began)
             time.sleep(CHUNK)
+
+    def follow(self, wall: float) -> None:
+        """Let the robot's time follow the wall's, `wall` [s] since the start, as far as the machine can."""
+        with self._changed:
+            behind = wall - self.stood - self.robot.now
+            self.stood += max(behind - LARGEST_CHUNK, 0.0)
+            self.robot.run_until(wall - self.stood)
 
     def close(self) -> None:
         """End the passing of time."""
