@@ -1,6 +1,7 @@
 """Whole diagnoses of simulated robots with a small catalogue: names, matches, abstention, proof."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.scan_areas import Area, settled
 from fsm_calib.diagnosis.diagnose import diagnose
-from fsm_calib.diagnosis.proof.gates import adequacy
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, adequacy
+from fsm_calib.diagnosis.verdict.model import Model
 from fsm_calib.diagnosis.verdict.systematic_error import with_doubt
 from fsm_calib.world2d.effects import registry
 
@@ -117,6 +119,13 @@ def test_areas_climb_to_the_most_promising_place():
 def test_kept_candidates_lie_apart():
     centres = np.array([[0.0, 0.0], [0.05, 0.0], [0.5, 0.0]])
     assert apart(np.array([2.0, 3.0, 1.0]), centres, keep=3, distance=0.2) == [1, 2]
+
+
+@pytest.mark.parametrize(("second", "said"), [(0.53, 1), (0.61, 2)])
+def test_a_second_name_below_the_gate_is_not_said(second, said):
+    beliefs = tuple(SimpleNamespace(probability=p) for p in (0.95, second))
+    model = Model((), None, None, (), None, beliefs=beliefs)
+    assert model.named(DEFAULT_GATES.least_confidence) == beliefs[:said]
 
 
 def test_forces_carry_the_doubt_of_the_mass():

@@ -27,6 +27,13 @@ def test_the_bar_is_not_full_before_the_end_however_many_rounds(rounds):
     assert found[-1] > 0.7
 
 
+def test_before_the_first_part_compiling_is_named():
+    seen = io.StringIO()
+    with DiagnosisProgress(len(NAMES), Console(file=seen, force_terminal=True)):
+        pass
+    assert "a first run compiles, too" in seen.getvalue()
+
+
 def test_every_part_moves_the_bar():
     (*before, _), (_, *after) = (shares(("base robot", *NAMES, *END)) for _ in range(2))
     assert all(b < a for b, a in zip(before, after, strict=True))

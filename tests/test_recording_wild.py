@@ -1,11 +1,15 @@
 """The forms that other people's robots leave are read with one option at most, and as what they are."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 from wild_forms import SINGLE, Robot, driven, wheel_truth
 
+from fsm_calib.cli import app
+from fsm_calib.diagnosis.fine_clocks import with_fine_clocks
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.errors import InputError
 from fsm_calib.recording import read_recording
@@ -109,6 +113,25 @@ def test_rates_in_rpm_are_read_as_such(forms):
 def test_commands_of_another_computer_are_brought_to_the_poses(forms):
     found = read(forms["two_clocks"]).twist.time
     assert found == pytest.approx(driven(seed=9).twist.time, abs=0.06)
+
+
+def test_a_diagnosis_lays_commands_of_another_computer_on_the_poses_to_milliseconds(forms):
+    (found,), (said,) = with_fine_clocks([read(forms["two_clocks"])])
+    assert found.twist.time == pytest.approx(driven(seed=9).twist.time, abs=0.003)
+    assert "on another clock" in said
+
+
+def test_commands_on_the_clock_of_the_poses_stay_where_they_are(forms):
+    recording = read(forms["epoch_table"])
+    assert with_fine_clocks([recording]) == ([recording], [])
+
+
+@pytest.mark.slow
+def test_diagnose_takes_a_map_of_upright_tags(forms, tmp_path):
+    out, form = tmp_path / "out.json", forms["upright_tags"]
+    ran = CliRunner().invoke(app, ["diagnose", *map(str, form.arguments), "--json", str(out)])
+    assert ran.exit_code == 0
+    assert json.loads(out.read_text())["verdict"] == "match"
 
 
 def test_upright_tags_tell_the_drive(forms):

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fsm_calib.diagnosis.between_samples import with_bends
+from fsm_calib.diagnosis.fine_clocks import with_fine_clocks
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.diagnosis.identify.result import Identification
 from fsm_calib.diagnosis.inputs import with_input
@@ -62,6 +63,8 @@ def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ())
     notes += [sentence] if sentence else []
     train = [with_input(with_poses(sized(r, size), robot)) for r in recordings]
     new = [with_input(with_poses(sized(r, size), robot)) for r in holdouts]
+    (train, told), (new, told_new) = with_fine_clocks(train), with_fine_clocks(new)
+    notes += [*told, *told_new]
     train, new, sentence = with_stamps(train, new)
     notes += [sentence] if sentence else []
     if any(r.pose is not None and not r.pose.has_heading for r in train):

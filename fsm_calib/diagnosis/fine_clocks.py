@@ -1,0 +1,40 @@
+"""Commands from another computer's clock, laid on the poses' clock to milliseconds.
+
+The reader brings two clocks together by what moved when (`recording.two_clocks`), to some hundredths of a second. What
+is left is fitted here as `identify` fits a delay. On another clock nobody can tell a delay of the robot from one of the
+clocks, so it is put down to the clocks and told.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fsm_calib.diagnosis.identify.command import fit_commands
+from fsm_calib.errors import DataError
+from fsm_calib.recording.recording import Recording
+
+MOST = 0.2  # s: the reader comes nearer; more is no rest of its search
+SURE = 0.005  # s, largest standard deviation of a shift that is worth its while
+
+
+def with_fine_clocks(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
+    """Return the recordings with commands of another clock moved by what the poses tell, and a sentence for each."""
+    found = [_laid(recording) for recording in recordings]
+    return [recording for recording, _ in found], [said for _, said in found if said]
+
+
+def _laid(recording: Recording) -> tuple[Recording, str]:
+    moved = any(f.kind == "clocks" and f.channel in ("command", "twist") for f in recording.checks)
+    name = "command" if recording.command is not None else "twist"
+    channel = recording.command or recording.twist
+    if not moved or channel is None:
+        return recording, ""
+    try:
+        fit = fit_commands(recording)
+    except DataError:  # too few poses for a fit of its own: the reader's shift stays
+        return recording, ""
+    shift, sd = fit.values["delay"], fit.sd("delay")
+    if not (sd < SURE and abs(shift) < MOST):
+        return recording, ""
+    said = f"{recording.source}: its commands, on another clock, are laid {1e3 * shift:+.0f} ms nearer to the poses"
+    return replace(recording, **{name: replace(channel, time=channel.time + shift)}), said  # type: ignore[arg-type]
