@@ -98,6 +98,18 @@ def test_a_foreign_zero_and_an_echo_of_ours_that_is_late_are_no_reason_to_stop()
     assert guard.stopped is None
 
 
+def test_an_echo_of_ours_may_be_as_late_as_an_echo_may_be() -> None:
+    guard = rules(LinkSettings(dither=False, echo=5.0))
+    guard.hold(AHEAD, 0.0)
+    guard.decide(0.0)
+    guard.hold(STOP, 0.1)
+    guard.decide(0.1)
+    guard.executed(AHEAD, 4.9)
+    assert guard.stopped is None
+    guard.executed(AHEAD, 5.2)
+    assert guard.stopped is not None
+
+
 def test_beyond_the_fence_the_run_stops() -> None:
     guard = rules(fence=1.0)
     guard.reckoned(0.6, 0.6)

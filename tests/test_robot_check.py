@@ -11,7 +11,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 import pytest
 from ros_rig import small_master, until
 
-from fsm_calib.errors import EmergencyStopped, LinkLost
+from fsm_calib.errors import EmergencyStopped, RobotLost
 from fsm_calib.perception.encoded import decode_image, encode_jpeg
 from fsm_calib.robots.address import parse_address
 from fsm_calib.robots.battery import charge_of, refuse_flat
@@ -72,9 +72,9 @@ def checked() -> list[Finding]:
         node = ServedNode(make_world(WorldSpec()), ServeSettings(rate=5.0), master, "duckie", encode_jpeg)
         ended.callback(node.close)
         address = parse_address(master.replace("http", "ros1") + "duckie")
-        check = Check(GuardSetup(address, LinkSettings(quiet=3.0, echo=3.0)), decode_image)
+        check = Check(GuardSetup(address, LinkSettings(quiet=10.0, echo=10.0)), decode_image)
         ended.callback(check.close)
-        with suppress(LinkLost):
+        with suppress(RobotLost):
             found.extend(check.findings())
         check.close()
         until(lambda: node.last_received == STOP, "the wheels stand")

@@ -14,7 +14,7 @@ from fsm_calib.robots.settings import LinkSettings
 from fsm_calib.types import STOP, WheelCommand
 
 REMEMBERED = 2.0
-"""An acknowledgement is ours when we sent the same command within this [s]."""
+"""An acknowledgement is ours when we sent the same command within this [s], or within `LinkSettings.echo`."""
 SAME = 1e-4
 """Commands are the same within this [1]: they travel as 32 bit numbers."""
 RELEASED = 0.25
@@ -47,6 +47,7 @@ class Rules:
     def __init__(self, settings: LinkSettings, fence: float) -> None:
         self._settings, self._fence = settings, fence
         self._held, self._until, self._heard = STOP, math.inf, -math.inf
+        self._remembered = max(REMEMBERED, settings.echo)
         self._sent: deque[tuple[float, WheelCommand]] = deque(maxlen=256)
         self._unanswered: float | None = None
         self._dither = (Dither(), Dither())
@@ -112,7 +113,7 @@ class Rules:
 
     def executed(self, command: WheelCommand, now: float) -> None:
         """The driver says that it applied a command: ours, or somebody else's."""
-        ours = any(now - time <= REMEMBERED and _same(command, sent) for time, sent in self._sent)
+        ours = any(now - time <= self._remembered and _same(command, sent) for time, sent in self._sent)
         if ours:
             self._unanswered = None
         elif not _same(command, STOP):
