@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, closing, suppress
 from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
@@ -72,11 +72,10 @@ def checked() -> list[Finding]:
         node = ServedNode(make_world(WorldSpec()), ServeSettings(rate=5.0), master, "duckie", encode_jpeg)
         ended.callback(node.close)
         address = parse_address(master.replace("http", "ros1") + "duckie")
-        check = Check(GuardSetup(address, LinkSettings(quiet=10.0, echo=10.0)), decode_image)
-        ended.callback(check.close)
         with suppress(RobotLost):
-            found.extend(check.findings())
-        check.close()
+            check = Check(GuardSetup(address, LinkSettings(quiet=10.0, echo=10.0)), decode_image)
+            with closing(check):
+                found.extend(check.findings())
         until(lambda: node.last_received == STOP, "the wheels stand")
     return found
 

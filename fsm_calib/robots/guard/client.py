@@ -16,7 +16,7 @@ from fsm_calib import errors
 from fsm_calib.errors import LinkLost, RobotLost
 from fsm_calib.robots.guard.setup import GuardSetup
 
-START = 30.0
+START = 60.0
 """Longest wait for the guard to be ready [s]."""
 DEAD_CURE = "The wheels were put to zero without it. Look at the robot, then go on."
 

@@ -13,8 +13,8 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
 from fsm_calib.errors import LinkLost
 
-TIMEOUT = 3.0
-"""Longest wait for an answer [s]."""
+TIMEOUT = 10.0
+"""Longest wait for an answer [s]: a master on a busy machine takes seconds."""
 
 
 class _Transport(xmlrpc.client.Transport):
