@@ -57,6 +57,24 @@ def test_values_become_plain_json() -> None:
     assert plain(value) == {"array": [0, 1], "nan": None, "tuple": [1, 2], "3": True}
 
 
+def test_finite_numbers_stay_what_they_are() -> None:
+    assert plain({"a": 0.5, "b": [np.float64(0.25), -2]}) == {"a": 0.5, "b": [0.25, -2]}
+
+
+def test_the_event_before_is_kept_where_the_file_system_has_no_links(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_links(*paths: Path) -> None:
+        raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr("fsm_calib.journal.os.link", no_links)
+    small_run(tmp_path)
+    (tmp_path / PREVIOUS_NAME).replace(tmp_path / CHECKPOINT_NAME)
+    state = read_checkpoint(tmp_path)
+    assert state is not None
+    assert state["sequence"] == 3
+
+
 def test_events_are_read_back_as_they_were_written(tmp_path) -> None:
     journal = Journal(tmp_path)
     events = [{"seq": n, "text": "ä\n"} for n in range(3)]
