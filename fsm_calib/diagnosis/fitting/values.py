@@ -22,3 +22,10 @@ def switched_off(values: FloatArray, effects: Iterable[str]) -> FloatArray:
     """Return a copy of `values` (R, p) with the strengths of `effects` at their null values."""
     strengths = [(registry()[name], p) for name in effects for p in registry()[name].strengths]
     return with_values(values, {f"{e.name}.{p}": e.parameter(p).null for e, p in strengths})
+
+
+def taken_over(values: FloatArray, effect: str, source: FloatArray) -> FloatArray:
+    """Return a copy of `values` (R, p) with an effect's numbers as `source` (R, p) has them."""
+    changed, own = values.copy(), list(parameter_table().of_effect(effect))
+    changed[:, own] = source[:, own]
+    return changed

@@ -14,6 +14,7 @@ from dataclasses import replace
 from fsm_calib.diagnosis.candidates.hypotheses import Start
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.proof.form_test import Remainder, contest
 from fsm_calib.diagnosis.proof.gap import gap_between
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
@@ -22,7 +23,6 @@ from fsm_calib.diagnosis.verdict.selection import Selection
 from fsm_calib.diagnosis.verdict.support import RivalGap, Support
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.parameters import parameter_table
 
 TRIED_AGAIN = 3  # names that are fitted in an effect's place beside the others
 WORTH_ASKING = 0.3  # of the effect's evidence: a name that had less of it alone is no rival
@@ -72,7 +72,11 @@ def _led_by(selection: Selection) -> str:
 
 
 def _in_its_place(engine: Engine, selection: Selection, effect: Ranked, less: Fit) -> Sequence[Ranked]:
-    """Return other names fitted on top of the model without the effect, from scratch and from where each was alone."""
+    """Return other names fitted on top of the model without the effect.
+
+    Each from where it was alone with all others as they are beside the effect, and from scratch; a place or a moment
+    from where it was alone.
+    """
     named = {e.name for e in selection.effects}
     if len(selection.effects) == 1:
         return [r for r in selection.rankings[0] if r.name not in named and r.evidence > 0.0]
@@ -84,16 +88,16 @@ def _in_its_place(engine: Engine, selection: Selection, effect: Ranked, less: Fi
     asked = sorted((r for r in best.values() if r.evidence > worth), key=lambda r: -r.evidence)[:TRIED_AGAIN]
     bank, tried = Bank.on(engine, less), []
     for rival in asked:
-        found = [bank.fit(rival.hypothesis, Start(_moved_in(less, rival), 0.0))]
-        if not registry()[rival.name].scan:  # a place or a moment is known from where it was alone
+        beside = switched_off(selection.fit.values, [effect.name])
+        found = [bank.fit(rival.hypothesis, _start(beside, rival))]
+        if registry()[rival.name].scan:
+            found.append(bank.fit(rival.hypothesis, _start(less.values, rival)))
+        else:
             found += [r for r in [bank.best_of(registry()[rival.name])] if r is not None]
         tried.append(max(found, key=lambda r: r.fit.score))
     return [r for r in tried if r.evidence > 0.0]
 
 
-def _moved_in(less: Fit, rival: Ranked) -> FloatArray:
-    """Return the parameters (R, p) of a model with a rival's own numbers as another fit has them."""
-    table, values = parameter_table(), less.values.copy()
-    own = list(table.of_effect(rival.name))
-    values[:, own] = rival.fit.values[:, own]
-    return values
+def _start(values: FloatArray, rival: Ranked) -> Start:
+    """Return a start at `values` (R, p) with a rival's own numbers as its fit has them."""
+    return Start(taken_over(values, rival.name, rival.fit.values), 0.0)

@@ -21,7 +21,7 @@ from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of, po
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
-from fsm_calib.diagnosis.fitting.values import switched_off
+from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_plausible, stands_out
@@ -162,6 +162,7 @@ class Selector:
         tried = Bank.on(self.engine, self.without(best.fit, first.name)).best_of(registry()[rival.name])
         if tried is None or tried.gain <= 0.0:
             return None
+        tried = self._in_the_others_company(tried, best.fit, first.name)
         led = (rival, *(o for o in best.rankings[0] if o is not rival))
         rankings = (led, *best.rankings[1 : 1 + len(kept)])
         other = self._pruned(
@@ -171,6 +172,21 @@ class Selector:
             return other
         grown = self._grown_on(other)
         return grown if grown is other else self.weighed(grown, self._wanted(grown))
+
+    def _in_the_others_company(self, rival: Ranked, fit: Fit, name: str) -> Ranked:
+        """Return a rival of the effect `name`, fitted from where the fit with that effect has the others, if better.
+
+        Without either, the others move to stand in for it; from there a rival that is its equal (a late command, a
+        late pose) may not find the way back.
+        """
+        values = taken_over(switched_off(fit.values, [name]), rival.name, rival.fit.values)
+        moved = self.engine.fit(values, rival.fit.slots, fit.noise)
+        moved = self.engine.refit_noise(moved, SPEED_NOISE, 3)
+        moved = self.engine.fit(moved.values, moved.slots, moved.noise, steps=6)
+        if moved.score <= rival.fit.score:
+            return rival
+        won = moved.score - rival.fit.score
+        return replace(rival, fit=moved, evidence=rival.evidence + 2.0 * won, gain=rival.gain + won)
 
     def _with_one_more(self, selection: Selection) -> Selection | None:
         """Return the selection with the best further effect, less what it makes needless; None where none is."""
