@@ -1,11 +1,14 @@
 r"""A motor changes its strength as it warms up, and levels off.
 
     T_i = K_i u_i (1 + change_i (1 - exp(-E_i / effort))),    dE_i/dt = (1 - idle) |u_i| + idle
+    D_i = D / (1 + winding_i (1 - exp(-E_i / effort)))
 
 T [m/s] no-load rim speed of wheel i, K [m/s] gain, u [1] command, E [s] seconds of full command since the
 start of the recording, effort [s] after which 63 % of the change are done, change [1] of each wheel. Grease
 thins (positive), windings heat (negative). idle [1]: 0 where the motor's own work heats it, 1 where what is on all
-the time does (drivers and electronics beside it); then E is the time. Source: first-order thermal model of a motor,
+the time does (drivers and electronics beside it); then E is the time. winding [1]: a hot winding resists more
+(copper: 0.4 % a kelvin), so that the slope D [N s/m] of the motor's torque falls while its no-load speed stays: it
+lags more, and gives way more to friction. Source: first-order thermal model of a motor,
 Hughes & Drury, Electric Motors and Drives, 5th ed., section 11.3.
 """
 
@@ -16,16 +19,26 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.slots import COMMAND, STEP, TARGET
+from fsm_calib.world2d.slots import COMMAND, DRIVE, STEP, TARGET
 
 
 @njit(error_model="numpy")
 def warm(P, o, S, m, W):
-    """Change each wheel's target by its effort so far."""
+    """Change each wheel's target and slope by its effort so far."""
     for side in range(2):
         effort = ((1.0 - P[o + 3]) * abs(W[COMMAND + side]) + P[o + 3]) * W[STEP]
-        W[TARGET + side] *= 1.0 + P[o + side] * -math.expm1(-(S[m + side] + 0.5 * effort) / P[o + 2])
+        warmed = -math.expm1(-(S[m + side] + 0.5 * effort) / P[o + 2])
+        W[TARGET + side] *= 1.0 + P[o + side] * warmed
+        W[DRIVE + side] /= 1.0 + P[o + 4 + side] * warmed
         S[m + side] += effort
+
+
+def _winding(side: str, other: str) -> Parameter:
+    """Return by how much one motor's resistance grows."""
+    return Parameter(
+        f"winding_{side}", f"r_{side[0]}", "1", 0.0, -0.4, 1.5, 0.0, "copper: 0.2 to 0.4 for 50 to 100 K",
+        starts=(0.25,), mirror=f"swap:winding_{other}",
+    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -63,6 +76,8 @@ EFFECT = Effect(
             fitted=False,
             starts=(0.0, 1.0),
         ),
+        _winding("left", "right"),
+        _winding("right", "left"),
     ),
     hooks={"step": warm},
     channels=("forward", "turn"),
@@ -79,6 +94,24 @@ EFFECT = Effect(
         Closure("left motor, own effort", ("change_left", "effort"), "the left motor alone"),
         Closure("right motor, own effort", ("change_right", "effort"), "the right motor alone"),
         Closure("both motors", ("change_left", "change_right", "effort"), "each by its own share"),
+        Closure(
+            "left winding",
+            ("winding_left", "effort"),
+            "the left motor's resistance grows",
+            sentence="The left motor's resistance grows by {winding_left} as it warms up.",
+        ),
+        Closure(
+            "right winding",
+            ("winding_right", "effort"),
+            "the right motor's resistance grows",
+            sentence="The right motor's resistance grows by {winding_right} as it warms up.",
+        ),
+        Closure(
+            "both windings",
+            ("winding_left", "winding_right", "effort"),
+            "both motors' resistances grow",
+            sentence="Warming up adds {winding_left} (left) and {winding_right} (right) to the motors' resistances.",
+        ),
     ),
     memory=2,
     order=52,
