@@ -20,12 +20,14 @@ from processes import is_alive
 from ros_rig import answers, free_port, small_master, until
 
 from fsm_calib.errors import EmergencyStopped, LinkLost
-from fsm_calib.robots.address import RobotAddress
+from fsm_calib.robots.address import RobotAddress, parse_address
 from fsm_calib.robots.guard.client import GuardClient
 from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.ros1.messages import BOOL, IMAGE, WHEELS, message_type
 from fsm_calib.robots.ros1.node import Node
+from fsm_calib.robots.ros1.robot import Ros1Robot
 from fsm_calib.robots.ros1.topics import Topics
+from fsm_calib.types import WheelCommand
 
 LIMIT = 0.3
 """The wheels' time to zero [s]."""
@@ -147,6 +149,17 @@ def test_the_wheels_stop_when_the_guard_gets_a_signal(
     rig: tuple[Driver, str], number: signal.Signals
 ) -> None:
     assert is_in_time(*rig, lambda program: os.kill(program.guard, number), told="LinkLost")
+
+
+def test_the_wheels_stop_when_a_robot_whose_guard_has_died_is_closed_at_once(rig: tuple[Driver, str]) -> None:
+    driver, url = rig
+    address = parse_address(url.replace("http", "ros1") + "duckie")
+    robot = Ros1Robot(GuardSetup(address, fence=1000.0), lambda body: None)
+    robot.command(WheelCommand(0.3, 0.3))
+    until(lambda: driver.moving, "the wheels turn")
+    os.kill(robot.guard.pid, signal.SIGKILL)
+    robot.close()
+    until(lambda: not driver.moving, "the wheels stop", deadline=30.0)
 
 
 def test_the_wheels_stop_when_the_program_computes_for_ever(rig: tuple[Driver, str]) -> None:

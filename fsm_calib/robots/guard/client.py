@@ -74,14 +74,13 @@ class GuardClient:
             raise self.stopped or LinkLost(f"the guard was not ready within {START:g} s")
 
     def _read(self) -> None:
-        """Take the guard's lines until it ends."""
+        """Take the guard's lines until it ends; the wheels stand before the program is told, which may then leave."""
         for text in self._process.stdout or ():
             self._take(json.loads(text))
+        if self._up and not self._closed:
+            self._on_dead()
         with self._changed:
             self._fail(LinkLost("The guard of the wheels has ended", cure=DEAD_CURE))
-            closed = self._closed
-        if self._up and not closed:
-            self._on_dead()
 
     def _take(self, line: dict[str, Any]) -> None:
         """Take one line."""
@@ -180,7 +179,7 @@ class GuardClient:
             raise self.stopped
 
     def close(self) -> None:
-        """End the guard: it puts the wheels to zero first. May be called twice."""
+        """End the guard, which puts the wheels to zero; where it could not, that is done here. May be called twice."""
         with self._changed:
             self._closed = True
         with contextlib.suppress(OSError):
@@ -191,3 +190,5 @@ class GuardClient:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
+        if self._up and self._process.returncode != 0:
+            self._on_dead()

@@ -37,6 +37,7 @@ class Ros1Robot(GuardedRobot):
         self._standby = self.node.publish(self.topics.wheels, WHEELS)
         subscriber = self.node.subscribe(self.topics.image, IMAGE, self._hear)
         wait_until(lambda: subscriber.connected > 0, "no camera publishes " + self.topics.image)
+        wait_until(lambda: bool(self._standby.listeners), "no wheel driver listens to " + self.topics.wheels)
 
     def _hear(self, body: bytes) -> None:
         """Take a message of the camera."""
