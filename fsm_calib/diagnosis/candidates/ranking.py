@@ -179,16 +179,18 @@ class Bank:
 
     def best_of(self, effect: Effect) -> Ranked | None:
         """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
-        tried = [self.fit(form, start) for form, starts in self.plans(effect) for start in starts]
-        return max(tried, key=lambda ranked: ranked.fit.score, default=None)
+        return self._likeliest(self.plans(effect))
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of the same closure in another recording; None where nothing is in sight there."""
         effect = registry()[event.effect]
         scan = scan_of(effect)
         plans = self._scanned(effect, scan(self.scanner, effect)) if scan is not None else []
-        same = [(form, s) for form, s in plans if (form.run, form.closure) == (run, event.closure)]
-        tried = [self.fit(form, start) for form, starts in same for start in starts]
+        return self._likeliest([p for p in plans if (p[0].run, p[0].closure) == (run, event.closure)])
+
+    def _likeliest(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> Ranked | None:
+        """Return the best fit of some forms from all their starts; None where there is none to try."""
+        tried = [self.fit(form, start) for form, starts in plans for start in starts]
         return max(tried, key=lambda ranked: ranked.fit.score, default=None)
 
     def _begun(self, hypothesis: Hypothesis, start: Start, worth: float = 0.0) -> Ranked:

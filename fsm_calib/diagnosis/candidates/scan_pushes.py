@@ -46,8 +46,8 @@ class Pushes:
 
         In another recording its best one is left out, too: every recording may have a push of its own.
         """
-        if self.run != other.run:
-            other, start = self, float(self.starts[int(np.argmax(self.won))]) if len(self.won) else 0.0
+        if self.run != other.run and len(self.starts):
+            return self.won_apart_from(self, float(self.starts[int(np.argmax(self.won))]))
         end = start + other.length
         apart = (self.starts + self.length < start - APART) | (self.starts > end + APART)
         return float(self.won[apart].max(initial=0.0))

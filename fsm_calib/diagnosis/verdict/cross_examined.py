@@ -87,8 +87,8 @@ def _in_its_place(engine: Engine, selection: Selection, effect: Ranked, less: Fi
             best[ranked.name] = ranked
     asked = sorted((r for r in best.values() if r.evidence > worth), key=lambda r: -r.evidence)[:TRIED_AGAIN]
     bank, tried = Bank.on(engine, less), []
+    beside = switched_off(selection.fit.values, [effect.name])
     for rival in asked:
-        beside = switched_off(selection.fit.values, [effect.name])
         found = [bank.fit(rival.hypothesis, _start(beside, rival))]
         if registry()[rival.name].scan:
             found.append(bank.fit(rival.hypothesis, _start(less.values, rival)))

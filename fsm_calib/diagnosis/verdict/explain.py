@@ -71,10 +71,15 @@ def estimates(ranked: Ranked, fit: Fit) -> dict[str, Estimate]:
         if table.owner[slot.place] != ranked.name:
             continue
         entry = table.entries[slot.place]
-        plain = slot.run in (ALL_RUNS, ranked.hypothesis.run)
-        name = entry.name if plain else f"{entry.name}_{slot.run + 1}"
-        found[name] = Estimate(value, with_doubt(effect, entry.name, value, variance), entry.unit)
+        found[entry.name + _tail(ranked, slot.run)] = Estimate(
+            value, with_doubt(effect, entry.name, value, variance), entry.unit
+        )
     return found
+
+
+def _tail(ranked: Ranked, run: int) -> str:
+    """Return what the name of an effect's number in a recording ends with."""
+    return "" if run in (ALL_RUNS, ranked.hypothesis.run) else f"_{run + 1}"
 
 
 def base_estimates(fit: Fit) -> dict[str, Estimate]:
@@ -107,7 +112,7 @@ def _sentences(ranked: Ranked, numbers: dict[str, Estimate], fit: Fit) -> str:
         return sentence(effect, numbers, closure)
     said = []
     for run in runs:
-        tail = "" if run == ranked.hypothesis.run else f"_{run + 1}"
+        tail = _tail(ranked, run)
         own = {p.name: numbers[p.name + tail] for p in effect.parameters if p.name + tail in numbers}
         said.append(f"Recording {run + 1}: {sentence(effect, own, closure)}")
     return " ".join(said)

@@ -81,9 +81,11 @@ class Selector:
     def ranked(self, bank: Bank, parent: Fit, effects: Sequence[Effect] | None = None) -> list[Ranked]:
         """Return the effects (all) on top of a parent, the leaders polished, implausible ones left out."""
         found = bank.rank(self.catalogue if effects is None else effects, self.progress)
-        found = self._polish(found, parent)
-        simulators = self.engine.simulators
-        return [r for r in found if is_plausible(r, simulators) and stands_out(r, self.needed)]
+        return [r for r in self._polish(found, parent) if self._is_told(r)]
+
+    def _is_told(self, ranked: Ranked) -> bool:
+        """Return whether an effect is what its name says and, if it is an event, stands out."""
+        return is_plausible(ranked, self.engine.simulators) and stands_out(ranked, self.needed)
 
     def grown(self, ranking: Sequence[Ranked]) -> Selection:
         """Return the selection that begins with the first of a ranking on top of the base robot."""
@@ -98,12 +100,7 @@ class Selector:
             if run == event.run:
                 continue
             found = Bank.on(self.engine, ranked.fit).again(event, run)
-            if (
-                found is not None
-                and found.evidence >= self.needed
-                and is_plausible(found, self.engine.simulators)
-                and stands_out(found, self.needed)
-            ):
+            if found is not None and found.evidence >= self.needed and self._is_told(found):
                 ranked = replace(
                     ranked,
                     fit=found.fit,
@@ -180,9 +177,7 @@ class Selector:
         late pose) may not find the way back.
         """
         values = taken_over(switched_off(fit.values, [name]), rival.name, rival.fit.values)
-        moved = self.engine.fit(values, rival.fit.slots, fit.noise)
-        moved = self.engine.refit_noise(moved, SPEED_NOISE, 3)
-        moved = self.engine.fit(moved.values, moved.slots, moved.noise, steps=6)
+        moved = self._with_noise(self.engine.fit(values, rival.fit.slots, fit.noise))
         if moved.score <= rival.fit.score:
             return rival
         won = moved.score - rival.fit.score
@@ -291,9 +286,12 @@ class Selector:
         kept = [i for i, s in enumerate(fit.slots) if table.owner[s.place] != name]
         known = tuple(columns[:, :, kept] for columns in fit.columns)
         slots = [fit.slots[i] for i in kept]
-        less = engine.fit(switched_off(fit.values, [name]), slots, fit.noise, known=known)
-        less = engine.refit_noise(less, SPEED_NOISE, 3)
-        return engine.fit(less.values, less.slots, less.noise, steps=6)
+        return self._with_noise(engine.fit(switched_off(fit.values, [name]), slots, fit.noise, known=known))
+
+    def _with_noise(self, fit: Fit) -> Fit:
+        """Return a fit with its noise fitted again, and itself at that noise."""
+        fit = self.engine.refit_noise(fit, SPEED_NOISE, 3)
+        return self.engine.fit(fit.values, fit.slots, fit.noise, steps=6)
 
     def _polish(self, ranking: list[Ranked], parent: Fit) -> list[Ranked]:
         """Fit the leaders with fresh Jacobians; sort again."""
