@@ -139,7 +139,7 @@ def rows_of(photos: str, paths: Sequence[Path], board: BoardSpec, python: str) -
     ]
     freed = int(np.count_nonzero(np.diag(ours.covariance)))
     pipeline = f"fsm_calib, {COEFFICIENTS[freed]} chosen of 4, 5, 8"
-    figures = (ours.rms_px, ours.cross_validated_px, ours.predicted_px, seconds)
+    figures = (ours.rms_px, ours.cross_validated_px, ours.predicted_map.expected, seconds)
     rows.append(Row(photos, pipeline, ours.views_used, *figures))
     peers = [mrcal_row(photos, count, own, board, size, python) for count in (4, 5, 8)]
     return rows + [row for row in peers if row is not None]

@@ -63,7 +63,7 @@ def main() -> None:
         ("robot's rule", [row[0] for row in found]),
         ("by hand", [row[1] for row in found]),
     ):
-        spread = float(np.std(np.log([camera.predicted_px for camera in column])))
+        spread = float(np.std(np.log([camera.predicted_map.expected for camera in column])))
         drawn = float(np.sqrt(np.mean([chance(camera, rng) ** 2 for camera in column])))
         print(
             f"| {label}, {len(column)} | {spread:.2f} | {drawn:.2f} | {spread / np.hypot(spread, drawn):.2f} |"

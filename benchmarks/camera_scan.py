@@ -33,9 +33,9 @@ from fsm_calib.types import BoardView
 from fsm_calib.world2d.fleet import RobotSpec, draw_robot
 
 COUNTS = (6, 8, 12, 16, 23, 32, 45, 64, 90)  # views after which prediction and truth are compared
-RULES = {"stopped": stop_rule(CameraSettings()), "half": StopRule(predicted_px=0.5, smallest_gain=0.005)}
+RULES = {"stopped": stop_rule(CameraSettings()), "half": StopRule(predicted_px=0.85, smallest_gain=0.005)}
 QUICK = SolveSettings(coefficients=(4,), all_but_one_up_to=0, folds=2)  # no choice of a model along the way
-WITHIN = 2.5  # the prediction's bar: true error at most this many times the predicted one
+WITHIN = 2.5  # the prediction's bar: true error at most this many times the expected one
 
 
 def informed(views: list[BoardView], boards: int, rule: StopRule) -> tuple[list[BoardView], bool]:
@@ -67,14 +67,14 @@ def figures(views: list[BoardView], robot: RobotSpec, *, static: bool) -> dict[s
         "noise_px": free.noise_px,
         "rms_px": free.rms_px,
         "free_px": projection_difference(robot.camera, free.camera).rms,
-        "free_predicted_px": free.predicted_px,
+        "free_predicted_px": free.predicted_map.expected,
         "refused": free.reason,
     }
     if static:
         found = calibrate_static(views, frames_of(views), BOARD, free)
         row |= {
             "static_px": projection_difference(robot.camera, found.calibration.camera).rms,
-            "static_predicted_px": found.calibration.predicted_px,
+            "static_predicted_px": found.calibration.predicted_map.expected,
             "is_static": found.is_static,
             "sentence": found.sentence,
             "pitch_error_deg": math.degrees(found.pitch - robot.mount.pitch),
@@ -85,17 +85,17 @@ def figures(views: list[BoardView], robot: RobotSpec, *, static: bool) -> dict[s
 
 
 def along(views: list[BoardView], boards: int, robot: RobotSpec) -> list[tuple[int, float, float]]:
-    """Return (views, predicted px, true px) after the first so many views, each solved from the last camera."""
+    """Return (views, expected px, true px) after the first so many views, each solved from the last camera."""
     progress, found = begin_scan(SIZE, boards), []
     for count in (number for number in COUNTS if number <= len(views)):
         progress = solve_scan(views[:count], BOARD, progress)
         true = projection_difference(robot.camera, progress.camera).rms
-        found.append((count, progress.predicted_px, true))
+        found.append((count, progress.predicted.expected, true))
     return found
 
 
 def along_static(views: list[BoardView], robot: RobotSpec) -> list[tuple[int, float, float]]:
-    """Return (views, predicted px, true px) of the static solve of the first so many views, where it is taken."""
+    """Return (views, expected px, true px) of the static solve of the first so many views, where it is taken."""
     found = []
     for count in (number for number in COUNTS if number <= len(views)):
         first = views[:count]
@@ -103,7 +103,7 @@ def along_static(views: list[BoardView], robot: RobotSpec) -> list[tuple[int, fl
         static = calibrate_static(first, frames_of(first), BOARD, free, settings=QUICK)
         if static.is_static:
             true = projection_difference(robot.camera, static.calibration.camera).rms
-            found.append((count, static.calibration.predicted_px, true))
+            found.append((count, static.calibration.predicted_map.expected, true))
     return found
 
 

@@ -71,6 +71,7 @@ class WheelRun:
 class CameraFigures:
     """The figures of the camera calibration for the report [px]; None where a figure does not apply.
 
+    expected_px : root mean square that the covariance gives, of which `predicted_px` is the 95 % quantile;
     target_px : predicted error that was asked for; weakest : the part of the image that is known least; advice : what
     to do about it where the target was not reached, empty where it was.
     """
@@ -83,6 +84,7 @@ class CameraFigures:
     views_used: int
     views_per_board: dict[str, int] = field(default_factory=dict)
     reason: str = ""
+    expected_px: float | None = None
     target_px: float | None = None
     weakest: str = ""
     advice: str = ""

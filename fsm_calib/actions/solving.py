@@ -65,6 +65,7 @@ def _keep(bench: Bench, result: CameraCalibration, cure: str) -> None:
         views_used=result.views_used,
         views_per_board=seen,
         reason=result.reason,
+        expected_px=result.predicted_map.expected,
         target_px=bench.settings.camera.target_px,
         weakest=weakest_region(result.predicted_map),
         advice=cure,

@@ -116,7 +116,8 @@ def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str
         f"rms                 {result.rms_px:.3f} px",
         f"mean, the paper's   {result.mean_px:.3f} px, {result.paper_px:.4f} px",
         f"cross-validated     {result.cross_validated_px:.3f} px   on views left out",
-        f"predicted error     {result.predicted_px:.2f} px   at most {result.predicted_map.max:.2f}",
+        f"predicted error     {result.predicted_px:.2f} px   95 of 100 such calibrations are within it; "
+        f"where it is worst {result.predicted_map.max:.2f}",
         f"coverage            X {bars.x:.0%}  Y {bars.y:.0%}  size {bars.size:.0%}  skew {bars.skew:.0%}",
     ]
     lines += [f"  {name:<4}{value:>12} +- {deviation}" for name, value, deviation in parameter_rows(result)]

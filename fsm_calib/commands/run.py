@@ -201,7 +201,7 @@ def _camera_error(camera: dict[str, Any]) -> str:
     figures = f"rms {camera['rms_px']:.3f} px, {camera['views_used']} views"
     predicted = f"{camera['predicted_px']:.2f} px"
     if "true_px" not in camera:
-        return f"{predicted} off, as predicted ({figures})"
+        return f"within {predicted}, as predicted ({figures})"
     return f"{camera['true_px']:.2f} px from the truth (predicted {predicted}, {figures})"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from fsm_calib.perception.board_warp import BoardWarp
 from fsm_calib.perception.coverage import Coverage
 from fsm_calib.perception.lens import intrinsics_vector, names_of
-from fsm_calib.perception.prediction import ImageError
+from fsm_calib.perception.prediction import PredictedError
 from fsm_calib.types import CameraModel, CameraMount, FloatArray
 
 RETAKE_RATIO = 2.0
@@ -59,9 +59,10 @@ class CameraCalibration:
         The paper's number: per image the norm of all distances over their count, averaged; RMS /
         sqrt(corners) [px].
     predicted_px : float
-        Predicted projection error over the whole image, "al" of `prediction` [px].
-    predicted_map : ImageError
-        The same over a 25x19 grid.
+        Predicted projection error over the whole image, "al" of `prediction`: 95 of 100 such calibrations stay within
+        it [px].
+    predicted_map : PredictedError
+        The same over a 25x19 grid, and the error that is expected.
     cross_validated_px : float
         Root mean square corner distance on views that the fit had not seen; nan when it was not computed
         [px].
@@ -96,7 +97,7 @@ class CameraCalibration:
     mean_px: float
     paper_px: float
     predicted_px: float
-    predicted_map: ImageError
+    predicted_map: PredictedError
     cross_validated_px: float
     noise_px: float
     covariance: FloatArray

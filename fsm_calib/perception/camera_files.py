@@ -149,6 +149,7 @@ def calibration_json(calibration: CameraCalibration) -> dict[str, Any]:
         "mean_px": calibration.mean_px,
         "paper_px": calibration.paper_px,
         "predicted_px": _finite(calibration.predicted_px),
+        "expected_px": _finite(calibration.predicted_map.expected),
         "cross_validated_px": _finite(calibration.cross_validated_px),
         "noise_px": calibration.noise_px,
         "views_used": calibration.views_used,

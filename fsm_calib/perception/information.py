@@ -1,12 +1,13 @@
 """What a view adds while the robot scans, when to stop, and what to say when the boards cannot give more.
 
 The information S about the intrinsics (8 of the 12 are free while scanning: f, c, k1, k2, p1, p2) is a sum
-over views, so the predicted error over the image after one more view costs one 8x8 inverse::
+over views, so the expected error over the image after one more view costs one 8x8 inverse::
 
-    predicted^2 = s^2 trace(A (S + S_v)^-1 A') / grid points
+    expected^2 = s^2 trace(A (S + S_v)^-1 A') / grid points
 
 with s the noise of a corner coordinate [px] and A from `prediction`; what corners repeat in every view
-(`systematic`) is added to it at every solve and does not shrink. What each threshold of the stop rule gives
+(`systematic`) is added to it at every solve and does not shrink. A view is wanted for what it takes off this; the scan
+ends by the predicted error, its 95 % quantile (`prediction`). What each threshold of the stop rule gives
 on robots is measured in docs/camera.md. Sources: Peng and Sturm, Calibration Wizard, ICCV 2019 (next best view
 by covariance); mrcal (uncertainty).
 """
@@ -22,7 +23,7 @@ from fsm_calib.perception.bundle import BundleSettings, Prior, fit, normal_equat
 from fsm_calib.perception.fleet_camera import FLEET_DEVIATION, fleet_start
 from fsm_calib.perception.free_boards import BoardPoses, FreeBoards, start_poses
 from fsm_calib.perception.lens import camera_model, intrinsics_vector, is_sane_over_image
-from fsm_calib.perception.prediction import GRID, ImageError, predicted_error, sensitivity
+from fsm_calib.perception.prediction import GRID, ImageError, PredictedError, predicted_error, sensitivity
 from fsm_calib.perception.stages import held_intrinsics
 from fsm_calib.perception.systematic import systematic_covariance
 from fsm_calib.types import BoardSpec, BoardView, CameraModel, FloatArray
@@ -40,17 +41,17 @@ class StopRule:
     Parameters
     ----------
     predicted_px : float
-        Largest predicted error over the image [px].
+        Largest predicted error over the image, which 95 of 100 calibrations stay within [px].
     views_per_board : int
         Fewest views of every board.
     views : int
         Fewest views in all.
     smallest_gain : float
-        A view is accepted when it lowers the predicted error by this share [1] (or its board lacks views);
+        A view is accepted when it lowers the expected error by this share [1] (or its board lacks views);
         0 accepts every view.
     """
 
-    predicted_px: float = 0.2
+    predicted_px: float = 0.35
     views_per_board: int = 8
     views: int = 15
     smallest_gain: float = 0.001
@@ -72,14 +73,14 @@ class ScanProgress:
     information: FloatArray
     noise_px: float
     repeated: FloatArray
-    predicted: ImageError
+    predicted: PredictedError
     views: int
     views_per_board: tuple[int, ...]
     rms_px: float = float("nan")
 
     @property
     def predicted_px(self) -> float:
-        """Predicted error over the image, "al" [px]."""
+        """Predicted error over the image, "al", which 95 of 100 calibrations stay within [px]."""
         return self.predicted.rms
 
 
@@ -144,7 +145,7 @@ def view_information(view: BoardView, board: BoardSpec, camera: CameraModel) -> 
 class Weighed:
     """A view that was weighed.
 
-    progress : ScanProgress, what is known with it; gain : by which share it lowers the predicted error [1], in [0, 1);
+    progress : ScanProgress, what is known with it; gain : by which share it lowers the expected error [1], in [0, 1);
     is_wanted : whether to keep it.
     """
 
@@ -164,7 +165,7 @@ def weigh_view(
     known = _Known(intrinsics_vector(progress.camera), information, progress.noise_px, progress.repeated)
     size = (progress.camera.width, progress.camera.height)
     after = _progress(known, size, tuple(per_board), progress.rms_px)
-    gain = max(0.0, 1.0 - after.predicted_px / max(progress.predicted_px, 1e-12))
+    gain = max(0.0, 1.0 - after.predicted.expected / max(progress.predicted.expected, 1e-12))
     return Weighed(after, gain, is_lacking or gain >= rule.smallest_gain)
 
 
@@ -214,7 +215,7 @@ class _Known:
     noise_px: float
     repeated: FloatArray
 
-    def predicted(self, image_size: tuple[int, int]) -> ImageError:
+    def predicted(self, image_size: tuple[int, int]) -> PredictedError:
         """Return the predicted error over the image."""
         covariance = self.repeated.copy()
         free = np.ix_(_FREE, _FREE)

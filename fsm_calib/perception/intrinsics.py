@@ -262,6 +262,7 @@ def _refusal(
         return f"the principal point ({vector[2]:.0f}, {vector[3]:.0f}) px is far off the image's middle"
     if result.cross_validated_px > limit:
         return f"unseen views are off by {result.cross_validated_px:.1f} px, {limit:.1f} px allowed"
-    if result.predicted_px > limit:
-        return f"the views leave {result.predicted_px:.1f} px over the image, {limit:.1f} px allowed"
+    expected = result.predicted_map.expected
+    if expected > limit:
+        return f"the views leave {expected:.1f} px over the image, {limit:.1f} px allowed"
     return why_not_a_duckiebot(vector, image_size) if is_duckiebot else ""

@@ -6,9 +6,9 @@ small model / e_v of the large one), whose mean no single bad view can rule, the
 
     mean(g) > 2 sd(g) / sqrt(views)   and   sum(e of the large) < sum(e of the small),
 
-its lens maps every pixel to one ray, and its predicted error is not larger than what the smaller one is off:
-the larger of the smaller model's own predicted error and its distance from the larger model. The equidistant lens of a
-fisheye comes last; it is taken as well where views left out find it no worse and its predicted error is less than half.
+its lens maps every pixel to one ray, and its expected error is not larger than what the smaller one is off:
+the larger of the smaller model's own expected error and its distance from the larger model. The equidistant lens of a
+fisheye comes last; it is taken as well where views left out find it no worse and its expected error is less than half.
 """
 
 from __future__ import annotations
@@ -22,12 +22,17 @@ from fsm_calib.perception.bundle import BundleSettings, Prior, Solution, corner_
 from fsm_calib.perception.calibration import ModelTrial
 from fsm_calib.perception.free_boards import BoardPoses, FreeBoards, start_poses
 from fsm_calib.perception.lens import FREE_OF_COEFFICIENTS, camera_model, is_equidistant, is_sane_over_image
-from fsm_calib.perception.prediction import predicted_error, projection_difference, sensitivity
+from fsm_calib.perception.prediction import (
+    PredictedError,
+    predicted_error,
+    projection_difference,
+    sensitivity,
+)
 from fsm_calib.perception.solve_settings import SolveSettings
 from fsm_calib.perception.systematic import systematic_covariance
 from fsm_calib.types import FloatArray
 
-BETTER_KNOWN = 0.5  # of the predicted error: less is no chance of the fit
+BETTER_KNOWN = 0.5  # of the expected error: less is no chance of the fit
 _TINY_PX2 = 1e-12  # keeps the logarithm of a perfect fit finite
 _FOLD_FIT = BundleSettings(most_steps=6, smallest_gain=1e-4)
 _POSE_FIT = BundleSettings(most_steps=6, smallest_gain=1e-4, huber_sigmas=1e6)
@@ -43,7 +48,7 @@ class Stage:
     solution: Solution[BoardPoses]
     covariance: FloatArray
     noise_px: float
-    predicted_px: float
+    predicted: PredictedError
     is_sane: bool
     left_out: FloatArray
 
@@ -130,7 +135,7 @@ def evaluated(
     held = held_of(intrinsics, coefficients)
     covariance, noise = covariance_of(solution, held, 6 * len(kept))
     covariance = covariance + systematic_covariance(solution, board, held)
-    predicted = predicted_error(sensitivity(intrinsics, image_size), covariance).rms
+    predicted = predicted_error(sensitivity(intrinsics, image_size), covariance)
     left_out = left_out_errors(problem, solution.state, coefficients, kept, settings)
     sane = is_sane_over_image(intrinsics, image_size)
     return Stage(coefficients, solution, covariance, noise, predicted, sane, left_out)
@@ -199,8 +204,8 @@ def _objection(small: Stage, large: Stage, image_size: tuple[int, int], settings
         return f"no better than {small.name} on unseen views"
     cameras = [camera_model(stage.solution.state.intrinsics, image_size) for stage in (large, small)]
     apart = projection_difference(*cameras).rms
-    if small.is_sane and large.predicted_px > max(small.predicted_px, apart):
-        return f"predicted error {large.predicted_px:.2f} px is larger than what it would mend"
+    if small.is_sane and large.predicted.expected > max(small.predicted.expected, apart):
+        return f"expected error {large.predicted.expected:.2f} px is larger than what it would mend"
     return ""
 
 
@@ -215,7 +220,7 @@ def _is_better_known(chosen: Stage, other: Stage, settings: SolveSettings) -> bo
         or is_better(other, chosen, settings)
     ):
         return False
-    return not chosen.is_sane or other.predicted_px < BETTER_KNOWN * chosen.predicted_px
+    return not chosen.is_sane or other.predicted.expected < BETTER_KNOWN * chosen.predicted.expected
 
 
 def _trial(stage: Stage, verdict: str) -> ModelTrial:
@@ -225,7 +230,7 @@ def _trial(stage: Stage, verdict: str) -> ModelTrial:
         coefficients=stage.coefficients,
         rms_px=float(np.sqrt(2.0 * np.mean(residual**2))),
         cross_validated_px=float(np.sqrt(stage.left_out.mean())),
-        predicted_px=stage.predicted_px,
+        predicted_px=stage.predicted.rms,
         is_sane=stage.is_sane,
         verdict=verdict,
     )

@@ -9,13 +9,13 @@ from fsm_calib.perception.calibration import CameraCalibration
 from fsm_calib.perception.information import weakest_region
 from fsm_calib.perception.lens import intrinsics_vector, names_of
 
-_GOOD_PX = 0.6  # predicted error of 30 careful hand-held views (parity), at 0.2 px of corner noise
+_GOOD_PX = 0.6  # expected error of 30 careful hand-held views (parity), at 0.2 px of corner noise
 
 
 def verdict(calibration: CameraCalibration) -> str:
     """Return what the calibration is good for, in one or two sentences."""
     error = calibration.predicted_map
-    if error.rms <= _GOOD_PX:
+    if error.expected <= _GOOD_PX:
         return (
             f"As good as a careful person's 30 views or better; least certain at the {weakest_region(error)}."
         )

@@ -87,6 +87,7 @@ def camera_result(session: Session) -> dict[str, Any] | None:
     return {
         **fitted_values(camera, figures),
         "predicted_px": figures.predicted_px,
+        "expected_px": figures.expected_px,
         "cross_validated_px": figures.cross_validated_px,
         **({} if truth is None else {"true_px": projection_difference(camera, truth.camera).rms}),
         "target_px": figures.target_px,
