@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts, hypotheses_of, slots_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.starts import distinct_of
 from fsm_calib.diagnosis.fitting.base import base_slots
 from fsm_calib.diagnosis.fitting.fit import Engine, simulate_all
 from fsm_calib.diagnosis.fitting.newton import clipped, damped_step, normal_equations, promised
 from fsm_calib.diagnosis.fitting.slot import Slot
+from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator, nominal_values
@@ -71,10 +74,34 @@ def test_a_second_search_keeps_what_it_wants(engine, base):
     assert asked[0].evidence == pytest.approx(free[0].evidence, abs=0.1)
 
 
-def test_what_no_second_effect_could_reach_is_not_finished(engine, base):
-    (found,) = Bank.on(engine, base, wanted=1e6).rank([registry()["sensor_yaw"]])
-    assert found.evidence < 1e6
-    assert found.gain >= 0.0
+def test_what_no_second_effect_could_reach_is_not_fitted(engine, base):
+    assert Bank.on(engine, base, wanted=1e6).rank([registry()["sensor_yaw"]]) == []
+
+
+def test_what_all_starts_of_a_form_could_win_is_near_what_a_fit_of_it_wins(engine, base):
+    prober, form = Bank.on(engine, base).prober, Hypothesis("motor_deadband", ("offset",))
+    start = with_values(base.values, {"motor_deadband.offset": 0.05})
+    fit = engine.fit(start, (*base.slots, *slots_of(form, 1)), base.noise)
+    won = fit.score - base.score
+    assert 0.5 * won < prober.reach(prober.probes(form, declared_starts(form))) < 2.0 * won
+
+
+def test_starts_that_change_nothing_reach_nothing(engine, base):
+    assert Bank.on(engine, base).prober.reach([]) == 0.0
+
+
+def test_starts_whose_changes_are_alike_are_tried_once(engine, base):
+    prober, form = Bank.on(engine, base).prober, Hypothesis("sensor_yaw", ("yaw",))
+    probes = prober.probes(form, [{"sensor_yaw.yaw": 0.01 * k} for k in (1, 2, 3)])
+    assert len(distinct_of(probes)) == 1
+
+
+def test_starts_of_a_form_are_fewer_in_a_second_search(engine, base):
+    effect = registry()["gear_backlash"]
+    first = Bank.on(engine, base)
+    first.rank([effect])
+    for form in hypotheses_of(effect, len(engine.simulators)):
+        assert 0 < len(first.distinct[form]) < len(declared_starts(form))
 
 
 def test_flags_tell_the_active_effects():

@@ -63,7 +63,7 @@ def test_the_chosen_start_wins_no_less_than_any_declared_one():
     choices = declared_starts(form)
     (best,) = bank.prober.best_starts(form, choices, 1)
     declared = [bank.prober.gain(bank.prober.columns(with_values(bank.parent.values, c))) for c in choices]
-    assert best.promise >= max(declared)
+    assert best.promise >= max(declared) - 1e-6  # columns that pass a filter together are rounded otherwise
 
 
 def test_a_limit_that_is_seldom_reached_is_found():

@@ -1,9 +1,7 @@
 """The hypotheses: each effect of the catalogue in each of its forms, with the places where a fit should start.
 
 Everything comes from what the effects declare (`world2d.effects`): variants, start values, which parameters belong
-to one recording. A start is judged before it is fitted: its simulated change, as one more column beside the base
-robot's, tells how much likelihood it could win and with what amplitude (a secant, so that saturations and gaps,
-which have no derivative at their null value, are seen).
+to one recording.
 """
 
 from __future__ import annotations
@@ -15,19 +13,12 @@ from itertools import product
 import numpy as np
 
 from fsm_calib.diagnosis.fitting.base import slot_of
-from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
-from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.simulator import Simulator
-from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part, project, winnings
-from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.scale import SMALL, Scale
 
 MOST_STARTS = 24
-CHECKED = 4  # starts whose promise is checked by simulation
-NO_CHANGE = 1e-9  # squared whitened units: below it a start changes nothing that is seen
-LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,14 +45,6 @@ class Hypothesis:
     def full_names(self) -> tuple[str, ...]:
         """Names in the parameter table."""
         return tuple(f"{self.effect}.{name}" for name in self.names)
-
-
-@dataclass(frozen=True, eq=False)
-class Start:
-    """Where a fit starts: parameters of each recording (R, p) and the log-likelihood it promises to win."""
-
-    values: FloatArray
-    promise: float
 
 
 def catalogue(without: Iterable[str] = (), base_lacks: Iterable[str] = ()) -> list[Effect]:
@@ -153,96 +136,6 @@ def _only_strength(effect: Effect, hypothesis: Hypothesis, name: str) -> bool:
         n for n in strengths if any(x != effect.parameter(n).null for x in effect.parameter(n).starts)
     ]
     return not declared and strengths[:1] == [name]
-
-
-@dataclass(frozen=True, eq=False)
-class Prober:
-    """Judges starts against one parent fit without fitting."""
-
-    simulators: tuple[Simulator, ...]
-    parent: Fit
-    residual: Residual
-
-    def columns(self, values: FloatArray) -> list[FloatArray]:
-        """Return the simulated change of each recording, (n, 5, 1)."""
-        return [
-            (s.increments(v[None])[0] - before)[:, :, None]
-            for s, v, before in zip(self.simulators, values, self.parent.simulated, strict=True)
-        ]
-
-    def amplitude(self, columns: Sequence[FloatArray]) -> tuple[float, float]:
-        """Return amplitude and promised log-likelihood of one change, the base re-fitted linearly."""
-        x = project(self.residual, columns)[:, 0]
-        power = float(x @ x)
-        if power <= 1e-12:
-            return 0.0, 0.0
-        amplitude = float(x @ self.residual.psi) / power
-        return amplitude, 0.5 * amplitude * amplitude * power * np.sign(amplitude)
-
-    def gain(self, columns: Sequence[FloatArray]) -> float:
-        """Return the log-likelihood that a change wins as it stands, base re-fitted linearly; -inf for none at all."""
-        return self._gain(self.residual.engine.white_columns(self.residual.whiteners, columns))
-
-    def _gain(self, white: FloatArray) -> float:
-        changes = float(np.sum(white * white)) > NO_CHANGE
-        return float(winnings(self.residual, white)[0]) if changes else -np.inf
-
-    def starts(self, hypothesis: Hypothesis, changes: Mapping[str, float]) -> list[Start]:
-        """Return two starts: the change as declared, and with its strengths scaled by what the data ask for.
-
-        The first carries what it wins (-inf where it changes nothing), the second what it would win if the effect
-        were linear.
-        """
-        effect = registry()[hypothesis.effect]
-        values = with_values(self.parent.values, changes, hypothesis.run)
-        white = self.residual.engine.white_columns(self.residual.whiteners, self.columns(values))
-        x = free_part(self.residual, white)[:, 0]
-        power, score = float(x @ x), float(x @ self.residual.psi)
-        found = [Start(values, self._gain(white))]
-        amplitude = score / max(power, 1e-12)
-        if power > 1e-12 and (amplitude > 0 or _two_sided(effect, hypothesis)):
-            size = np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE)
-            scale = float(np.sign(amplitude) * size)
-            promise = scale * score - 0.5 * scale * scale * power
-            changed = scaled(effect, changes, scale)
-            found.append(Start(with_values(values, changed, hypothesis.run), promise))
-        return found
-
-    def best_starts(
-        self, hypothesis: Hypothesis, choices: Sequence[Mapping[str, float]], keep: int
-    ) -> list[Start]:
-        """Return the most promising starts; numbers that belong to a recording are chosen for each by itself.
-
-        What declared starts promise was simulated. That of scaled ones is a guess, checked by simulation for the
-        leaders: an effect with a threshold is far from linear.
-        """
-        tried = [self.starts(hypothesis, choice) for choice in choices]
-        starts = [pair[0] for pair in tried]
-        guessed = sorted((s for pair in tried for s in pair[1:]), key=lambda start: -start.promise)
-        starts += [Start(s.values, self.gain(self.columns(s.values))) for s in guessed[:CHECKED]]
-        own = [n for n in hypothesis.names if registry()[hypothesis.effect].parameter(n).per_recording]
-        if own and hypothesis.run == ALL_RUNS and len(self.simulators) > 1:
-            starts.append(self._mixed(hypothesis, choices))
-        return sorted(starts, key=lambda start: -start.promise)[:keep]
-
-    def _mixed(self, hypothesis: Hypothesis, choices: Sequence[Mapping[str, float]]) -> Start:
-        """Combine the best choice of each recording."""
-        values = self.parent.values.copy()
-        best: list[tuple[float, FloatArray]] = []
-        for run in range(len(self.simulators)):
-            promises = []
-            for choice in choices:
-                candidate = with_values(self.parent.values, choice, run)
-                promises.append((self.amplitude(self.columns(candidate))[1], candidate[run]))
-            best.append(max(promises, key=lambda pair: pair[0]))
-            values[run] = best[-1][1]
-        return Start(values, sum(max(promise, 0.0) for promise, _ in best))
-
-
-def _two_sided(effect: Effect, hypothesis: Hypothesis) -> bool:
-    """Return whether a strength of the hypothesis may lie on either side of its null value."""
-    strengths = [effect.parameter(n) for n in effect.strengths if n in hypothesis.names]
-    return any(p.low < p.null for p in strengths)
 
 
 def scaled(effect: Effect, changes: Mapping[str, float], scale: float) -> dict[str, float]:

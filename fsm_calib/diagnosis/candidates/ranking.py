@@ -8,17 +8,11 @@ from time import perf_counter
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.hypotheses import (
-    Hypothesis,
-    Prober,
-    Start,
-    declared_starts,
-    hypotheses_of,
-    slots_of,
-)
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts, hypotheses_of, slots_of
 from fsm_calib.diagnosis.candidates.scan import Candidate, Scanner, scan_of
+from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
-from fsm_calib.diagnosis.fitting.fit import Engine, Fit, jacobian
+from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import switched_off
 from fsm_calib.diagnosis.replay.simulator import scale_of
@@ -40,6 +34,7 @@ FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fit
 NESTING_SLACK = 1e-6
 
 Progress = Callable[[str], None]
+Distinct = dict[Hypothesis, list[int]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +60,20 @@ def evidence_of(fit: Fit, parent: Fit, count: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Bank:
-    """Fits hypotheses on top of a parent fit (the base robot, or a model that already has an effect)."""
+    """Fits hypotheses on top of a parent fit (the base robot, or a model that already has an effect).
+
+    distinct : which declared starts of a form change the drives in a way of their own. Found where the form is first
+    tried; it hangs on the drives and hardly on the model, so it serves for later ones, too.
+    """
 
     engine: Engine
     parent: Fit
     prober: Prober
     scanner: Scanner
+    distinct: Distinct
 
     @classmethod
-    def on(cls, engine: Engine, parent: Fit, wanted: float = 0.0) -> Bank:
+    def on(cls, engine: Engine, parent: Fit, wanted: float = 0.0, distinct: Distinct | None = None) -> Bank:
         """Prepare probing and scanning; what stays far below the evidence `wanted` is not fitted to the end."""
         residual, worth = residual_of(engine, parent), 0.5 * FAR_BELOW * wanted
         situations = situations_of(engine.simulators, parent.values)
@@ -82,6 +82,7 @@ class Bank:
             parent,
             Prober(engine.simulators, parent, residual),
             Scanner(engine.simulators, situations, parent, residual, worth),
+            {} if distinct is None else distinct,
         )
 
     @property
@@ -103,7 +104,9 @@ class Bank:
             began = perf_counter()
             hope = max(self._worth, FAR_BELOW * most) if self.scanner.worth else self._worth
             begun = [
-                self._begun(form, start, hope) for form, starts in self.plans(effect) for start in starts
+                self._begun(form, start, hope)
+                for form, starts in self.plans(effect, hope if self.scanner.worth else -np.inf)
+                for start in starts
             ]
             begun.sort(key=lambda ranked: -ranked.evidence)
             tried += begun[:1] + [ranked for ranked in begun[1:] if ranked.gain > self._worth]
@@ -132,8 +135,8 @@ class Bank:
         spent: dict[str, float] = self.__dict__.setdefault("_seconds", {})
         return spent
 
-    def plans(self, effect: Effect) -> list[tuple[Hypothesis, list[Start]]]:
-        """Return the forms of an effect with their starts."""
+    def plans(self, effect: Effect, hope: float = -np.inf) -> list[tuple[Hypothesis, list[Start]]]:
+        """Return the forms of an effect with their starts; those that are far from winning `hope` have none."""
         runs = len(self.engine.simulators)
         if effect.name in parameter_table().active_effects(self.parent.values[0]):
             start = Start(self.parent.values, 0.0)  # the parent has it: would other numbers be better?
@@ -141,13 +144,22 @@ class Bank:
         scan = scan_of(effect)
         if scan is not None:
             return self._scanned(effect, scan(self.scanner, effect))
-        plans = []
-        for hypothesis in hypotheses_of(effect, runs):
-            starts = self.prober.best_starts(hypothesis, declared_starts(hypothesis), 1)
-            if not hypothesis.held and not any(effect.parameter(n).starts for n in hypothesis.names):
-                starts = [Start(self.parent.values, 0.0)]  # linear at its null value
-            plans.append((hypothesis, starts))
-        return plans
+        return [(hypothesis, self._starts(hypothesis, hope)) for hypothesis in hypotheses_of(effect, runs)]
+
+    def _starts(self, hypothesis: Hypothesis, hope: float) -> list[Start]:
+        """Return where to start a form; nowhere if all that its starts change together is far from winning `hope`."""
+        effect, choices = registry()[hypothesis.effect], declared_starts(hypothesis)
+        few = self.distinct.get(hypothesis, range(len(choices)))
+        probes = dict(zip(few, self.prober.probes(hypothesis, [choices[i] for i in few]), strict=True))
+        if hypothesis not in self.distinct:
+            self.distinct[hypothesis] = distinct_of(list(probes.values()))
+        if OPTIMISM * self.prober.reach(list(probes.values())) < hope:
+            return []
+        if not hypothesis.held and not any(effect.parameter(n).starts for n in hypothesis.names):
+            return [Start(self.parent.values, 0.0)]  # linear at its null value
+        rest = [i for i in range(len(choices)) if i not in probes]
+        probes |= zip(rest, self.prober.probes(hypothesis, [choices[i] for i in rest]), strict=True)
+        return self.prober.best_starts(hypothesis, choices, 1, [probes[i] for i in range(len(choices))])
 
     def _scanned(
         self, effect: Effect, candidates: Sequence[Candidate]

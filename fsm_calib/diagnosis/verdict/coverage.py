@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.hypotheses import Prober, declared_starts, hypotheses_of
+from fsm_calib.diagnosis.candidates.hypotheses import declared_starts, hypotheses_of
+from fsm_calib.diagnosis.candidates.starts import Prober
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.prepared import Prepared
 from fsm_calib.diagnosis.shapes.score_tests import project

@@ -108,7 +108,7 @@ class Judge:
             self.progress,
         )
         with self.part("catalogue"):
-            bank = Bank.on(self.engine, base)
+            bank = Bank.on(self.engine, base, distinct=selector.distinct)
             ranking = selector.ranked(bank, base)
         found = (base, tuple(ranking), location, bank)
         if not ranking or ranking[0].evidence < gates.detect:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of, polished
+from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct, Ranked, evidence_of, polished
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
@@ -66,7 +66,8 @@ class Selector:
     """Selects effects for the recordings of one robot.
 
     needed : evidence that each effect must add to all the others; share : of what the first had alone that a further
-    one must have; curious : -log10 p of what is left above which a further one is looked for; most : effects at most.
+    one must have; curious : -log10 p of what is left above which a further one is looked for; most : effects at most;
+    distinct : what the first round learns of the starts for the later ones.
     """
 
     engine: Engine
@@ -77,6 +78,7 @@ class Selector:
     curious: float
     most: int
     progress: Progress = field(default=lambda part: None)
+    distinct: Distinct = field(default_factory=dict)
 
     def ranked(self, bank: Bank, parent: Fit, effects: Sequence[Effect] | None = None) -> list[Ranked]:
         """Return the effects (all) on top of a parent, the leaders polished, implausible ones left out."""
@@ -189,7 +191,7 @@ class Selector:
         if not further:
             return None
         wanted = self._wanted(selection)
-        bank = Bank.on(self.engine, selection.fit, wanted)
+        bank = Bank.on(self.engine, selection.fit, wanted, self.distinct)
         before = {r.name: i for i, r in enumerate(selection.rankings[-1])}
         found = self.ranked(
             bank, selection.fit, sorted(further, key=lambda e: before.get(e.name, len(before)))

@@ -1,0 +1,197 @@
+"""Where a fit starts, and what a form could win from there at all: judged before anything is fitted.
+
+A start's simulated change is one more whitened column beside the fitted model's. It tells how much likelihood the
+start wins as it stands, and with what amplitude (a secant, so that saturations and gaps, which have no derivative at
+their null value, are seen). The columns of all its starts together tell what the form could win to first order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, scaled
+from fsm_calib.diagnosis.fitting.fit import AT_A_TIME, Fit
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
+from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.diagnosis.replay.simulator import Simulator
+from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part, project, winnings
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect, registry
+
+CHECKED = 4  # starts whose promise is checked by simulation
+NO_CHANGE = 1e-9  # squared whitened units: below it a start changes nothing that is seen
+LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
+LIKE = 0.1  # of its power: a change of which the others leave no more tells nothing that they do not tell
+
+Changes = Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a fit starts: parameters of each recording (R, p) and the log-likelihood it promises to win."""
+
+    values: FloatArray
+    promise: float
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """One declared start, tried by simulation.
+
+    declared : with what it wins as it stands (-inf where it changes nothing); scaled : its strengths scaled by what
+    the data ask for, with what it would win if the effect were linear, None where they ask for the other sign; column :
+    what it changes (N,), whitened, without what the parent's numbers can do.
+    """
+
+    declared: Start
+    scaled: Start | None
+    column: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Prober:
+    """Judges starts against one parent fit without fitting."""
+
+    simulators: tuple[Simulator, ...]
+    parent: Fit
+    residual: Residual
+
+    def columns(self, values: FloatArray) -> list[FloatArray]:
+        """Return the simulated change of each recording at parameters `values` (R, p), (n, 5, 1)."""
+        return self._changes([values])
+
+    def _changes(self, tried: Sequence[FloatArray]) -> list[FloatArray]:
+        """Return the simulated changes of each recording at several parameters (R, p), (n, 5, m)."""
+        return [
+            np.moveaxis(simulator.increments(np.array([values[run] for values in tried])) - before, 0, 2)
+            for run, (simulator, before) in enumerate(
+                zip(self.simulators, self.parent.simulated, strict=True)
+            )
+        ]
+
+    def amplitude(self, columns: Sequence[FloatArray]) -> tuple[float, float]:
+        """Return amplitude and promised log-likelihood of one change, the base re-fitted linearly."""
+        x = project(self.residual, columns)[:, 0]
+        power = float(x @ x)
+        if power <= 1e-12:
+            return 0.0, 0.0
+        amplitude = float(x @ self.residual.psi) / power
+        return amplitude, 0.5 * amplitude * amplitude * power * np.sign(amplitude)
+
+    def gain(self, columns: Sequence[FloatArray]) -> float:
+        """Return the log-likelihood that a change wins as it stands, base re-fitted linearly; -inf for none at all."""
+        return float(self._gains(self.residual.engine.white_columns(self.residual.whiteners, columns))[0])
+
+    def _gains(self, white: FloatArray) -> FloatArray:
+        """Return `gain` of whitened changes (N, m)."""
+        return np.where(np.sum(white * white, axis=0) > NO_CHANGE, winnings(self.residual, white), -np.inf)
+
+    def probes(self, hypothesis: Hypothesis, choices: Sequence[Changes]) -> list[Probe]:
+        """Try declared starts by simulation."""
+        return [
+            probe
+            for i in range(0, len(choices), AT_A_TIME)
+            for probe in self._probes(hypothesis, choices[i : i + AT_A_TIME])
+        ]
+
+    def _probes(self, hypothesis: Hypothesis, choices: Sequence[Changes]) -> list[Probe]:
+        tried = [with_values(self.parent.values, choice, hypothesis.run) for choice in choices]
+        white = self.residual.engine.white_columns(self.residual.whiteners, self._changes(tried))
+        gains, free = self._gains(white), free_part(self.residual, white)
+        return [
+            Probe(Start(values, float(gain)), self._scaled(hypothesis, choice, column), column)
+            for values, choice, gain, column in zip(tried, choices, gains, free.T, strict=True)
+        ]
+
+    def _scaled(self, hypothesis: Hypothesis, changes: Changes, column: FloatArray) -> Start | None:
+        """Return a start with its strengths scaled by what the data ask for, within what a secant is trusted over."""
+        effect = registry()[hypothesis.effect]
+        power, score = float(column @ column), float(column @ self.residual.psi)
+        amplitude = score / max(power, 1e-12)
+        if power <= 1e-12 or (amplitude <= 0 and not _two_sided(effect, hypothesis)):
+            return None
+        size = np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE)
+        scale = float(np.sign(amplitude) * size)
+        promise = scale * score - 0.5 * scale * scale * power
+        return Start(with_values(self.parent.values, scaled(effect, changes, scale), hypothesis.run), promise)
+
+    def reach(self, probes: Sequence[Probe]) -> float:
+        """Return the log-likelihood that any mixture of what some starts change could win, to first order.
+
+        Half of the squared length of the residual's part in the span of their k columns, less k / 2, which noise alone
+        has there.
+        """
+        if not probes:
+            return 0.0
+        columns = _of_unit_length(probes)
+        power, directions = np.linalg.eigh(columns.T @ columns)
+        told = power > LIKE
+        inside = directions[:, told].T @ (columns.T @ self.residual.psi) / np.sqrt(power[told])
+        return 0.5 * float(inside @ inside - len(inside))
+
+    def best_starts(
+        self,
+        hypothesis: Hypothesis,
+        choices: Sequence[Changes],
+        keep: int,
+        probes: Sequence[Probe] | None = None,
+    ) -> list[Start]:
+        """Return the most promising starts; numbers that belong to a recording are chosen for each by itself.
+
+        What declared starts promise was simulated. That of scaled ones is a guess, checked by simulation for the
+        leaders: an effect with a threshold is far from linear. probes : of the choices, where they have been tried.
+        """
+        tried = self.probes(hypothesis, choices) if probes is None else probes
+        starts = [probe.declared for probe in tried]
+        guessed = sorted((p.scaled for p in tried if p.scaled), key=lambda start: -start.promise)
+        starts += [Start(s.values, self.gain(self.columns(s.values))) for s in guessed[:CHECKED]]
+        own = [n for n in hypothesis.names if registry()[hypothesis.effect].parameter(n).per_recording]
+        if own and hypothesis.run == ALL_RUNS and len(self.simulators) > 1:
+            starts.append(self._mixed(choices))
+        return sorted(starts, key=lambda start: -start.promise)[:keep]
+
+    def _mixed(self, choices: Sequence[Changes]) -> Start:
+        """Combine the best choice of each recording."""
+        values = self.parent.values.copy()
+        best: list[tuple[float, FloatArray]] = []
+        for run in range(len(self.simulators)):
+            promises = []
+            for choice in choices:
+                candidate = with_values(self.parent.values, choice, run)
+                promises.append((self.amplitude(self.columns(candidate))[1], candidate[run]))
+            best.append(max(promises, key=lambda pair: pair[0]))
+            values[run] = best[-1][1]
+        return Start(values, sum(max(promise, 0.0) for promise, _ in best))
+
+
+def distinct_of(probes: Sequence[Probe]) -> list[int]:
+    """Return the starts whose changes are not mixtures of those before, the largest first (pivoted Gram-Schmidt).
+
+    A start of whose change the chosen ones leave less than the share `LIKE` of its power is left out.
+    """
+    left = _of_unit_length(probes)
+    chosen: list[int] = []
+    while len(chosen) < len(probes):
+        power = np.sum(left * left, axis=0)
+        largest = int(np.argmax(power))
+        if power[largest] <= LIKE:
+            break
+        chosen.append(largest)
+        direction = left[:, largest] / np.sqrt(power[largest])
+        left = left - np.outer(direction, direction @ left)
+    return chosen
+
+
+def _of_unit_length(probes: Sequence[Probe]) -> FloatArray:
+    """Return what starts change, as columns (N, k) of length one."""
+    columns = np.column_stack([probe.column for probe in probes])
+    return columns / np.sqrt(np.maximum(np.sum(columns * columns, axis=0), NO_CHANGE))
+
+
+def _two_sided(effect: Effect, hypothesis: Hypothesis) -> bool:
+    """Return whether a strength of the hypothesis may lie on either side of its null value."""
+    strengths = [effect.parameter(n) for n in effect.strengths if n in hypothesis.names]
+    return any(p.low < p.null for p in strengths)
