@@ -2,16 +2,22 @@ r"""Commands above a limit are cut.
 
     u_effective = min(max(u, -limit), limit)
     u_effective = u / (1 + (|u| / limit)^4)^(1/4)       soft: a supply that gives way before it gives no more
+    |F| <= current D K                                  a driver that limits the motors' current
 
-limit [1]: a setting of the kinematics node (`limit`, 0.1 to 1) or a supply that gives no more. Null is 2:
-never reached. Source: Duckietown kinematics_node.py.
+limit [1]: a setting of the kinematics node (`limit`, 0.1 to 1) or a supply that gives no more. current [1]: the
+motor's largest force F [N] as a share of its stall force at full command, D K with the slope D [N s/m] of its
+torque-speed line and the gain K [m/s]: the speed is reached, but late, and a slope is climbed with less. Null is 2 for
+both: never reached. Sources: Duckietown kinematics_node.py; current regulation of H-bridges, e.g. TI DRV8871 data
+sheet, section 7.3.2.
 """
 
 from __future__ import annotations
 
 from numba import njit
 
+from fsm_calib.world2d.dynamics import GAIN
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.slots import DRIVE, RIM, TARGET
 
 
 @njit(error_model="numpy")
@@ -21,6 +27,15 @@ def clip(P, o, u, side):
         size = u / P[o]
         return u / (1.0 + size**4) ** 0.25
     return min(max(u, -P[o]), P[o])
+
+
+@njit(error_model="numpy")
+def give_no_more(P, o, S, m, W):
+    """Cut the motors' forces to what the limited current gives: their slope falls to the secant."""
+    for side in range(2):
+        short, most = abs(W[TARGET + side] - S[RIM + side]), P[o + 2] * P[GAIN + side]
+        if short > most:
+            W[DRIVE + side] *= most / short
 
 
 EFFECT = Effect(
@@ -36,8 +51,12 @@ EFFECT = Effect(
         Parameter(
             "soft", "s", "1", 0.0, 0.0, 1.0, 0.0, "0 a hard limit, 1 a soft one", strength=False, fitted=False,
         ),
+        Parameter(
+            "current", "i_max", "1", 2.0, 0.02, 2.0, 2.0, "drivers: 0.2 to 0.6 of the stall current",
+            starts=(0.08, 0.15, 0.3, 0.5), step=1e-3,
+        ),
     ),
-    hooks={"shape": clip},
+    hooks={"shape": clip, "step": give_no_more},
     channels=("forward", "turn"),
     regimes=("large_command",),
     separates="commands below the limit are untouched, those above all give the same speed",
@@ -51,6 +70,11 @@ EFFECT = Effect(
         Closure(
             "soft limit", ("limit",), "gives way before it gives no more", fixes={"soft": 1.0},
             sentence="Commands beyond about {limit} give less and less more speed.",
+        ),
+        Closure(
+            "current limit", ("current",), "the driver limits the current: speeds are reached late",
+            sentence="The motors give no more than {current} of their stall force.",
+            source="TI DRV8871 data sheet, section 7.3.2",
         ),
     ),
     order=10,
