@@ -188,7 +188,7 @@ def distinct_of(probes: Sequence[Probe]) -> list[int]:
 def _of_unit_length(probes: Sequence[Probe]) -> FloatArray:
     """Return what starts change, as columns (N, k) of length one."""
     columns = np.column_stack([probe.column for probe in probes])
-    return columns / np.sqrt(np.maximum(np.sum(columns * columns, axis=0), NO_CHANGE))
+    return np.asarray(columns / np.sqrt(np.maximum(np.sum(columns * columns, axis=0), NO_CHANGE)))
 
 
 def _two_sided(effect: Effect, hypothesis: Hypothesis) -> bool:
