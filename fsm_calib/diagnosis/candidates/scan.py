@@ -33,7 +33,7 @@ from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.replay.robot_size import robot_size
-from fsm_calib.diagnosis.replay.simulator import Simulator
+from fsm_calib.diagnosis.replay.simulator import Simulator, scale_of
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import place_centres
 from fsm_calib.diagnosis.shapes.score_tests import Residual
@@ -186,11 +186,11 @@ class Scanner:
             for run, s in enumerate(self.situations)
             for length in lengths
         ]
-        found = []
+        found, scale = [], scale_of(self.simulators[0])
         for one in tried:
             for b in apart(one.won, one.starts[:, None], KEEP, 2 * STEP):
                 rest = max(o.won_apart_from(one, float(one.starts[b])) for o in tried)
-                changes = push_of(self.situations[one.run], one, int(b), effect.name)
+                changes = push_of(self.situations[one.run], one, int(b), effect.name, scale)
                 found.append(Candidate(changes, float(one.won[b]), one.run, rest))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 

@@ -19,6 +19,7 @@ from fsm_calib.diagnosis.shapes.features import body_columns
 from fsm_calib.diagnosis.shapes.score_tests import Residual
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.scale import Scale
 
 STEP = 0.25  # s between candidate pushes
 KICK = 0.25  # s that a kick lasts
@@ -28,7 +29,9 @@ FADE = 0.1  # s, of the speed error afterwards: a motor's time constant
 SEEN = 2.75  # s after its end in which a push shows
 GAP = 1.0  # s between what is seen of two pushes that share a column
 SWEEPS = 3  # of reweighted least squares
-MASS, INERTIA = 1.1, 0.0065  # kg, kg m2 of a plain robot: a push's first guess
+MASS = 1.1  # kg of the base robot: a push's first guess
+GYRATION = 2.4  # squared radius of gyration over squared half-axle of a Duckiebot [1]: the same
+SHARE = 0.6  # of a strength's bounds within which its first guess lies
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,27 +104,28 @@ def _trains(s: Situation, starts: FloatArray, length: float, period: int) -> Flo
     return out
 
 
-def push_of(s: Situation, found: Pushes, which: int, name: str) -> dict[str, float]:
+def push_of(s: Situation, found: Pushes, which: int, name: str, scale: Scale) -> dict[str, float]:
     """Return a push, of the effect `name`, that brings about its speed errors forward, sideways and at the rim [m/s].
 
-    A push that is held works against the motors, which would end the error within `FADE`: F = m v / FADE.
+    A push that is held works against the motors, which would end the error within `FADE`: F = m v / FADE. scale : of
+    the robot, which sets its bounds.
     """
     start = float(found.starts[which])
     heading = float(np.interp(start, s.time, s.heading))
     times = max(found.length - KICK, 0.0) / FADE + 1.0
-    ahead, left, turn = times * found.amplitude[which] * [MASS, MASS, INERTIA / s.half]
+    ahead, left, turn = times * MASS * found.amplitude[which] * [1.0, 1.0, GYRATION * s.half]
     c, d = np.cos(heading), np.sin(heading)
     push = {
         f"{name}.impulse_x": c * ahead - d * left,
         f"{name}.impulse_y": d * ahead + c * left,
         f"{name}.impulse_turn": turn,
     }
-    within = {full: float(np.clip(value, *_bounds(full))) for full, value in push.items()}
+    within = {full: float(np.clip(value, *_first_bounds(full, scale))) for full, value in push.items()}
     held = {f"{name}.duration": found.length} if found.length > KICK else {}
     return {**within, f"{name}.start": start, **held}
 
 
-def _bounds(full: str) -> tuple[float, float]:
-    """Return where a first guess of a strength may lie: six tenths of its bounds."""
-    p = parameter_table().entries[parameter_table().place(full)]
-    return 0.6 * p.low, 0.6 * p.high
+def _first_bounds(full: str, scale: Scale) -> tuple[float, float]:
+    """Return where a first guess of a strength may lie."""
+    low, high = scale.bounds(parameter_table().entries[parameter_table().place(full)])
+    return SHARE * low, SHARE * high
