@@ -16,6 +16,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.wheels import of_each_wheel
 from fsm_calib.world2d.slots import (
     DRIVE,
     ENGAGED,
@@ -59,14 +60,6 @@ def cross_gap(P, o, S, m, W):
             if W[ENGAGED + side] > 0.0 and S[m + 2 + side] > 0.0:  # the rotor hits a wheel that rolls
                 S[RIM + side] = ground + P[o + 2] * (rim - ground)
             S[m + 2 + side] = 1.0 if W[ENGAGED + side] == 0.0 else 0.0
-
-
-def _of_wheel(side: str, other: str) -> Parameter:
-    """Return the play of one wheel's gear alone."""
-    return Parameter(
-        f"gap_{side}", f"delta_{side[0]}", "rad", 0.0, 0.0, 1.5, 0.0, "one gear worn, or put in new",
-        starts=(0.12, 0.05, 0.02, 0.25), step=8e-3, doubt=0.35, mirror=f"swap:gap_{other}",
-    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -114,8 +107,21 @@ EFFECT = Effect(
             starts=(0.15, 0.7),
             step=5e-2,
         ),
-        _of_wheel("left", "right"),
-        _of_wheel("right", "left"),
+        *of_each_wheel(
+            Parameter(
+                "gap",
+                "delta",
+                "rad",
+                0.0,
+                0.0,
+                1.5,
+                0.0,
+                "one gear worn, or put in new",
+                starts=(0.12, 0.05, 0.02, 0.25),
+                step=8e-3,
+                doubt=0.35,
+            )
+        ),
     ),
     hooks={"step": cross_gap},
     channels=("forward", "turn"),

@@ -18,6 +18,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import LEAST_DELAY, Closure, Effect, Parameter
+from fsm_calib.world2d.effects.wheels import of_each_wheel
 from fsm_calib.world2d.slots import DRIVE, RIM, STEP, TARGET
 
 SOFT = 0.01
@@ -59,14 +60,6 @@ def brake(P, o, S, m, W):
         W[DRIVE + side] *= 1.0 + share * (1.0 / (P[o] * P[o + 1 + side]) - 1.0)
 
 
-def _of_wheel(side: str, other: str) -> Parameter:
-    """Return the ratio of one motor alone."""
-    return Parameter(
-        f"ratio_{side}", f"r_{side[0]}", "1", 1.0, 0.2, 5.0, 1.0, "one channel of the driver set otherwise",
-        starts=(0.7, 1.5), mirror=f"swap:ratio_{other}",
-    )  # fmt: skip
-
-
 def _ramp(name: str, symbol: str) -> Parameter:
     """Return a time constant of the drivers; below `LEAST_DELAY` it is no more than the base's lag is off by."""
     return Parameter(
@@ -83,8 +76,19 @@ EFFECT = Effect(
         Parameter(
             "ratio", "r", "1", 1.0, 0.2, 5.0, 1.6, "coast against brake: 1.3 to 2.5", starts=(0.7, 1.5)
         ),
-        _of_wheel("left", "right"),
-        _of_wheel("right", "left"),
+        *of_each_wheel(
+            Parameter(
+                "ratio",
+                "r",
+                "1",
+                1.0,
+                0.2,
+                5.0,
+                1.0,
+                "one channel of the driver set otherwise",
+                starts=(0.7, 1.5),
+            )
+        ),
         _ramp("rise", "tau_u"),
         _ramp("fall", "tau_d"),
     ),

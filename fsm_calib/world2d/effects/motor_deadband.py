@@ -16,6 +16,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.wheels import of_each_wheel
 
 RELEASE = 0.01
 """Command below which the driver releases the motor [1] (dagu_wheels_driver.py)."""
@@ -28,14 +29,6 @@ def offset(P, o, u, side):
     if lost < 0.0 and size <= RELEASE:
         return 0.0
     return math.copysign(max(size - lost, 0.0), u)
-
-
-def _of_wheel(side: str, other: str) -> Parameter:
-    """Return the offset of one wheel alone."""
-    return Parameter(
-        f"offset_{side}", f"d_{side[0]}", "1", 0.0, -0.6, 0.4, 0.0, "gears of one motor run dry, one driver is trimmed",
-        starts=(0.04, -0.04), mirror=f"swap:offset_{other}",
-    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -55,8 +48,19 @@ EFFECT = Effect(
             "driver: 60/255 added, residual either sign; loaded DB18: -0.9 (docs/robots/duckiebot-watchtower.md)",
             starts=(0.04, -0.04, -0.4),
         ),
-        _of_wheel("left", "right"),
-        _of_wheel("right", "left"),
+        *of_each_wheel(
+            Parameter(
+                "offset",
+                "d",
+                "1",
+                0.0,
+                -0.6,
+                0.4,
+                0.0,
+                "gears of one motor run dry, one driver is trimmed",
+                starts=(0.04, -0.04),
+            )
+        ),
     ),
     hooks={"shape": offset},
     channels=("forward", "turn"),

@@ -19,6 +19,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.wheels import of_each_wheel
 
 
 @njit(error_model="numpy")
@@ -33,14 +34,6 @@ def bend(P, o, u, side):
     if P[o + 4] != 0.0 and size < 1.0:
         size += P[o + 4] * math.sin(2.0 * math.pi * size) / (2.0 * math.pi)
     return size if u > 0.0 else -size
-
-
-def _of_wheel(side: str, other: str) -> Parameter:
-    """Return the curvature of one wheel alone."""
-    return Parameter(
-        f"curvature_{side}", f"gamma_{side[0]}", "1", 0.0, -1.5, 1.5, 0.0, "one driver channel, one worn motor",
-        starts=(0.2, -0.2), mirror=f"swap:curvature_{other}",
-    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -60,8 +53,19 @@ EFFECT = Effect(
             "0.05 to 0.15 of gain lost at full command",
             starts=(0.2, -0.2),
         ),
-        _of_wheel("left", "right"),
-        _of_wheel("right", "left"),
+        *of_each_wheel(
+            Parameter(
+                "curvature",
+                "gamma",
+                "1",
+                0.0,
+                -1.5,
+                1.5,
+                0.0,
+                "one driver channel, one worn motor",
+                starts=(0.2, -0.2),
+            )
+        ),
         Parameter(
             "power", "p", "1", 0.0, -0.6, 1.5, 0.0, "drivers with exponential maps", starts=(0.2, -0.15)
         ),

@@ -18,6 +18,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.wheels import of_each_wheel
 
 FULL_DROP = 0.05
 """Command at which 76 % of a junction's drop are there [1] (assumed)."""
@@ -30,14 +31,6 @@ def weaken(P, o, u, side):
         return u
     lost = (P[o + 2] + P[o + 3 + side]) * math.tanh(-u / FULL_DROP)
     return min(u * (1.0 - P[o] + (0.5 - side) * -P[o + 1]) + lost, 0.0)
-
-
-def _of_wheel(side: str, other: str) -> Parameter:
-    """Return the drop of one wheel alone."""
-    return Parameter(
-        f"drop_{side}", f"v_{side[0]}", "1", 0.0, -0.3, 0.4, 0.0, "one half bridge", starts=(0.05, -0.05),
-        mirror=f"swap:drop_{other}",
-    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -59,8 +52,19 @@ EFFECT = Effect(
             mirror="negate",
         ),
         Parameter("drop", "v", "1", 0.0, -0.3, 0.4, 0.0, "a diode of 0.3 to 0.7 V", starts=(0.05, -0.05)),
-        _of_wheel("left", "right"),
-        _of_wheel("right", "left"),
+        *of_each_wheel(
+            Parameter(
+                "drop",
+                "v",
+                "1",
+                0.0,
+                -0.3,
+                0.4,
+                0.0,
+                "one half bridge",
+                starts=(0.05, -0.05),
+            )
+        ),
     ),
     hooks={"shape": weaken},
     channels=("forward", "turn"),

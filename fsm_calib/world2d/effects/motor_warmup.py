@@ -19,6 +19,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.wheels import of_each_wheel
 from fsm_calib.world2d.slots import COMMAND, DRIVE, STEP, TARGET
 
 
@@ -31,14 +32,6 @@ def warm(P, o, S, m, W):
         W[TARGET + side] *= 1.0 + P[o + side] * warmed
         W[DRIVE + side] /= 1.0 + P[o + 4 + side] * warmed
         S[m + side] += effort
-
-
-def _winding(side: str, other: str) -> Parameter:
-    """Return by how much one motor's resistance grows."""
-    return Parameter(
-        f"winding_{side}", f"r_{side[0]}", "1", 0.0, -0.4, 1.5, 0.0, "copper: 0.2 to 0.4 for 50 to 100 K",
-        starts=(0.25,), mirror=f"swap:winding_{other}",
-    )  # fmt: skip
 
 
 EFFECT = Effect(
@@ -76,8 +69,19 @@ EFFECT = Effect(
             fitted=False,
             starts=(0.0, 1.0),
         ),
-        _winding("left", "right"),
-        _winding("right", "left"),
+        *of_each_wheel(
+            Parameter(
+                "winding",
+                "r",
+                "1",
+                0.0,
+                -0.4,
+                1.5,
+                0.0,
+                "copper: 0.2 to 0.4 for 50 to 100 K",
+                starts=(0.25,),
+            )
+        ),
     ),
     hooks={"step": warm},
     channels=("forward", "turn"),
