@@ -168,6 +168,20 @@ def test_the_published_equation_has_another_fixed_point_than_straight_driving():
     assert run_from_readings(bench, 0.69).k_i == pytest.approx(1.0 / 1.2)
 
 
+def test_the_published_equation_reads_the_turn_off_one_marker_s_angle():
+    """k_i = (w1 + Delta_m L / (t R)) / (k w1), Delta_m the change of the marker's angle (docs/method.md)."""
+    settings = with_published(ActionSettings(), "equation_3", "last_marker")
+    bench = Bench(NoRobot(), settings)
+    tags = (TagObservation(3, 0.3, 0.0, 0.0, 0.3),)
+    bench.notebook.readings = [MarkerReading(tags, 0.05, 0.0), MarkerReading(tags, 0.02, 5.0)]
+    bench.notebook.last_ratio, bench.notebook.last_duration = 1.1, 3.25
+    run, left = run_from_readings(bench, 0.6), settings.drive.command
+    turned = 0.03  # the marker went clockwise by so much: the robot turned counter-clockwise
+    rate = -turned * settings.ratio.axle_length / (3.25 * settings.ratio.published_radius)
+    assert run.turned == pytest.approx(turned)
+    assert run.k_i == pytest.approx((left + rate) / (1.1 * left))
+
+
 def test_a_drive_that_veers_right_raises_k():
     readings, turned = drive_readings(-0.05)
     bench = bench_with(readings=readings, last_duration=3.5, last_ratio=1.0)
@@ -195,6 +209,14 @@ def test_a_short_drive_is_never_quiet():
     bench = bench_with(readings=readings, last_duration=1.0, last_ratio=1.0)
     bench.notebook.runs.append(run_from_readings(bench, 0.2))
     assert update_ratio(bench).evidence["quiet"] is False
+
+
+def test_as_published_a_short_drive_may_be_quiet():
+    readings, _ = drive_readings(0.0, distance=0.2)
+    bench = Bench(NoRobot(), with_published(ActionSettings(), "equation_3"))
+    bench.notebook.readings, bench.notebook.last_duration, bench.notebook.last_ratio = readings, 1.0, 1.0
+    bench.notebook.runs.append(run_from_readings(bench, 0.2))
+    assert update_ratio(bench).evidence["quiet"] is True
 
 
 def test_all_drives_together_find_the_ratio_that_each_drive_halves():

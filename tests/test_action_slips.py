@@ -10,13 +10,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fsm_calib.actions import Bench, boards, focusing, markers
+from fsm_calib.actions import Bench, boards, focusing, leaving, markers
 from fsm_calib.actions.boards import SAME_BOARD_WITHIN, Sighting, beyond, first_of, followed
-from fsm_calib.actions.looking import FRAME_MISSING
+from fsm_calib.actions.leaving import drive_off, hand_over
+from fsm_calib.actions.looking import FRAME_FROZEN, FRAME_MISSING, look
 from fsm_calib.actions.markers import MARKER_MISSED, heading_of, heading_sd, read_markers
 from fsm_calib.actions.moving import CLOCKWISE, COUNTERCLOCKWISE, drive, push, run_wheels
 from fsm_calib.actions.notebook import MarkerReading
 from fsm_calib.actions.stopping import stop_wheels
+from fsm_calib.actions.turning import DRIVE_BLOCKED
 from fsm_calib.types import STOP, Frame, TagObservation, WheelCommand
 
 
@@ -122,6 +124,15 @@ def test_a_marker_needs_half_of_the_frames(bench: Bench, monkeypatch) -> None:
     assert [seen.tag_id for seen in read_markers(bench).tags] == [1]
 
 
+def test_a_look_at_the_markers_returns_those_of_its_frame(bench: Bench, monkeypatch) -> None:
+    frame, seen = Frame(np.zeros((4, 4), dtype=np.uint8), 0.0, 7), (tag(1, 0.3),)
+    monkeypatch.setattr(markers, "look", lambda bench: frame)
+    monkeypatch.setattr(markers, "tags_in", lambda bench, given: seen if given is frame else ())
+    assert markers.look_at_markers(bench) == seen
+    monkeypatch.setattr(markers, "look", lambda bench: FRAME_MISSING)
+    assert markers.look_at_markers(bench) is FRAME_MISSING
+
+
 def test_no_marker_and_a_lost_frame_are_told(bench: Bench, monkeypatch) -> None:
     shown(monkeypatch, *[()] * bench.settings.marker.frames)
     assert read_markers(bench) is MARKER_MISSED
@@ -136,6 +147,13 @@ def test_readings_over_frames_are_medians_and_headings_do_not_wrap(bench: Bench,
     (seen,) = read_markers(bench).tags
     assert seen.distance == 0.31
     assert math.remainder(seen.heading - (math.pi - 0.01), math.tau) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_median_heading_is_taken_about_the_first_frame_s(bench: Bench, monkeypatch) -> None:
+    bench.settings = replace(bench.settings, marker=replace(bench.settings.marker, frames=3))
+    shown(monkeypatch, *[(tag(1, 0.3, heading),) for heading in (0.10, 0.13, 0.16)])
+    (seen,) = read_markers(bench).tags
+    assert seen.heading == pytest.approx(0.13)
 
 
 def test_the_published_rules_take_the_last_marker_and_the_camera_s_heading(bench: Bench) -> None:
@@ -217,3 +235,104 @@ def test_a_lost_frame_and_a_skipped_focus_are_told(bench: Bench) -> None:
     assert focusing.measure_sharpness(bench) is FRAME_MISSING
     bench.settings = replace(bench.settings, camera=replace(bench.settings.camera, skip_focus=True))
     assert focusing.measure_sharpness(bench).trigger == "focus_skipped"
+
+
+class Eye(Tape):
+    """A robot whose camera delivers these pictures, one after the other."""
+
+    def __init__(self, *images: np.ndarray) -> None:
+        super().__init__()
+        self.images = list(images)
+
+    def capture(self) -> Frame:
+        return Frame(self.images.pop(0), 1.0, 4)
+
+
+def test_a_frame_that_comes_is_handed_on_and_its_size_kept() -> None:
+    bench = Bench(Eye(np.arange(12 * 16, dtype=np.uint8).reshape(12, 16)))
+    bench.notebook.unseen = True
+    frame = look(bench)
+    assert isinstance(frame, Frame)
+    assert frame.index == 4
+    assert bench.notebook.image_size == (16, 12)
+    assert not bench.notebook.unseen
+
+
+def test_a_frame_that_repeats_every_pixel_is_frozen_and_the_move_before_it_unseen() -> None:
+    picture = np.arange(12 * 16, dtype=np.uint8).reshape(12, 16)
+    bench = Bench(Eye(picture, picture.copy()))
+    look(bench)
+    assert look(bench) is FRAME_FROZEN
+    assert bench.notebook.unseen
+
+
+def leaves(monkeypatch: pytest.MonkeyPatch, *sights: object) -> None:
+    """Let the drive out of the field see these markers, one sight after the other."""
+    left = list(sights)
+    monkeypatch.setattr(leaving, "look_at_markers", lambda bench: left.pop(0))
+
+
+def test_a_stretch_out_of_the_field_tells_how_far_markers_reach_ahead(bench: Bench, monkeypatch) -> None:
+    leaves(monkeypatch, (tag(1, 0.3), tag(2, 0.45)))
+    assert drive_off(bench).evidence == {"markers": 2, "ahead": 0.45}
+    drive_settings = bench.settings.drive
+    (_, _, duration), _ = bench.robot.asked
+    assert duration == pytest.approx(drive_settings.stretch / drive_settings.expected_speed)
+    assert [seen.tag_id for seen in bench.notebook.reading.tags] == [1, 2]
+
+
+def test_a_lost_frame_on_the_way_out_is_told(bench: Bench, monkeypatch) -> None:
+    leaves(monkeypatch, FRAME_MISSING)
+    assert drive_off(bench) is FRAME_MISSING
+
+
+@pytest.mark.parametrize(("moved", "is_blocked"), [(0.9, True), (1.1, False)])
+def test_markers_that_stay_where_they_were_tell_an_obstacle_on_the_way_out(
+    bench: Bench, monkeypatch, moved: float, is_blocked: bool
+) -> None:
+    least = bench.settings.drive.moved_share * bench.settings.drive.stretch
+    before = (tag(1, 0.3), tag(2, 0.45))
+    bench.notebook.reading = MarkerReading(before, 0.0, 0.0)
+    leaves(monkeypatch, tuple(replace(seen, x=seen.x - moved * least) for seen in before))
+    assert (drive_off(bench) is DRIVE_BLOCKED) is is_blocked
+
+
+def test_a_robot_that_sees_no_marker_any_more_looks_twice_without_driving_on(
+    bench: Bench, monkeypatch
+) -> None:
+    bench.notebook.reading = MarkerReading((tag(1, 0.3), tag(2, 0.45)), 0.0, 0.0)
+    leaves(monkeypatch, (), ())
+    assert drive_off(bench) is MARKER_MISSED
+    assert drive_off(bench) is MARKER_MISSED
+    assert [asked[0] for asked in bench.robot.asked] == ["run", "wait"]
+    assert bench.notebook.marker_ahead == pytest.approx(0.45 - bench.settings.drive.stretch)
+
+
+def test_a_stretch_whose_start_showed_no_marker_goes_on_from_the_last_ones(bench: Bench, monkeypatch) -> None:
+    bench.notebook.marker_ahead = 0.4
+    leaves(monkeypatch, ())
+    drive_off(bench)
+    assert bench.notebook.marker_ahead == pytest.approx(0.4 - bench.settings.drive.stretch)
+
+
+def test_the_robot_is_handed_over_in_the_lane_s_middle_with_its_wheels_at_zero(bench: Bench) -> None:
+    bench.notebook.marker_ahead, bench.notebook.field_left = 0.1, True
+    way = 0.1 + bench.settings.lane.advance
+    assert hand_over(bench).evidence == {"advance": round(way, 3)}
+    run, _, stop = bench.robot.asked
+    assert run[2] == pytest.approx(way / bench.settings.drive.expected_speed)
+    assert stop == ("command", STOP)
+    assert (bench.notebook.marker_ahead, bench.notebook.field_left) == (0.0, False)
+
+
+def test_a_robot_beyond_the_lane_s_middle_stays_where_it_is(bench: Bench) -> None:
+    bench.notebook.marker_ahead = -1.0 - bench.settings.lane.advance
+    assert hand_over(bench).evidence == {"advance": 0.0}
+    assert bench.robot.asked == [("command", STOP)]
+
+
+def test_a_measured_speed_sets_how_long_the_stretches_are(bench: Bench, monkeypatch) -> None:
+    bench.notebook.speed = 0.1
+    leaves(monkeypatch, ())
+    drive_off(bench)
+    assert bench.robot.asked[0][2] == pytest.approx(bench.settings.drive.stretch / 0.1)

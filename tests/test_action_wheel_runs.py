@@ -104,3 +104,28 @@ def test_a_straight_drive_teaches_the_cameras_yaw_and_a_turn_does_not() -> None:
     bench.notebook.last_step = Pose2(-0.1, 0.1, 2.5)
     learn_yaw(bench, 0.5)
     assert bench.notebook.mount.yaw == pytest.approx(yaw)
+
+
+def test_a_drive_along_an_arc_teaches_the_yaw_about_its_chord() -> None:
+    bench, yaw, turned = Bench(Wheels()), 0.04, 0.3
+    along = 0.5 * turned - yaw
+    bench.notebook.last_step = Pose2(0.5 * math.cos(along), 0.5 * math.sin(along), turned)
+    learn_yaw(bench, 0.5)
+    assert bench.notebook.mount.yaw == pytest.approx(yaw)
+
+
+def test_longer_drives_count_more_for_the_yaw_by_the_square_of_their_length() -> None:
+    bench = Bench(Wheels())
+    for length, yaw in ((0.2, 0.0), (0.4, 0.05)):
+        seen = bench.notebook.mount.yaw - yaw
+        bench.notebook.last_step = Pose2(length * math.cos(seen), length * math.sin(seen), 0.0)
+        learn_yaw(bench, length)
+    assert bench.notebook.mount.yaw == pytest.approx(0.04)
+
+
+@pytest.mark.parametrize(("sideways", "trigger"), [(0.0, "drive_finished"), (0.25, "robot_blocked")])
+def test_a_start_that_moved_sideways_is_elsewhere_too(sideways: float, trigger: str) -> None:
+    bench = bench_after_a_drive(back_at=0.3)
+    bench.notebook.readings[0] = reading(TagObservation(7, 0.3, 0.2, 0.0, 0.36))
+    bench.notebook.reading = reading(TagObservation(7, 0.3, 0.2 + sideways, 0.0, 0.36))
+    assert drive_forward(bench).trigger == trigger

@@ -1,0 +1,289 @@
+"""From what speaks for a name to how sure it is, and from there to the answer: each number and each way through."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from fsm_calib.diagnosis.proof.gap import LOGISTIC, TOLD_APART, Gap
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Adequacy
+from fsm_calib.diagnosis.shapes.locate import SIGNIFICANT
+from fsm_calib.diagnosis.verdict import decide
+from fsm_calib.diagnosis.verdict.decide import Decision, Judge
+from fsm_calib.diagnosis.verdict.model import Model
+from fsm_calib.diagnosis.verdict.posterior import (
+    LARGEST_LOG_ODDS,
+    LEFT,
+    MOVED,
+    REPLACED,
+    SCALE,
+    SURE,
+    Belief,
+    belief_of,
+    shape_probability,
+)
+from fsm_calib.diagnosis.verdict.support import RivalGap, Support
+
+NEVER = 1e9  # evidence that settles a question
+FORMS = {"instead": -100.0, "beside": 0.0, "instead_quantities": ("speed",), "beside_quantities": ("turn",)}
+
+
+def support(
+    name: str = "tyre_scrub", *, added: float = NEVER, rivals: dict[str, float] | None = None,
+    moved: float = 0.0, **forms: object,
+) -> Support:  # fmt: skip
+    """A support of an effect, with the gaps in evidence to its rivals and what un-named forms do."""
+    gaps = tuple(RivalGap(n, Gap(gap, 0.0), None) for n, gap in (rivals or {}).items())  # type: ignore[arg-type]
+    effect, law = SimpleNamespace(name=name), SimpleNamespace(moved=moved)
+    return Support(effect, None, Gap(added, 0.0), gaps, law, SimpleNamespace(**(FORMS | forms)))  # type: ignore[arg-type]
+
+
+def odds(probability: float) -> float:
+    return math.log(probability / (1.0 - probability))
+
+
+def evidence_of(probability: float) -> float:
+    """The gap in evidence that is so probable."""
+    return float(norm.ppf(probability)) * LOGISTIC
+
+
+def test_a_name_that_leaves_nothing_is_as_sure_as_names_are() -> None:
+    assert odds(shape_probability(support())) == pytest.approx(SURE)
+
+
+def test_what_forms_explain_beside_a_name_counts_by_how_far_they_could_stand_for_it() -> None:
+    left = support(added=100.0, beside=20.0, instead=-50.0)
+    assert odds(shape_probability(left)) == pytest.approx(SURE - LEFT * math.log1p(0.2 * 0.5 / SCALE))
+
+
+def test_forms_that_do_better_in_the_name_s_place_count_against_it() -> None:
+    replaced = support(added=100.0, beside=0.0, instead=40.0)
+    assert odds(shape_probability(replaced)) == pytest.approx(SURE - REPLACED * 0.4)
+
+
+def test_a_law_that_is_another_one_in_each_drive_counts_against_it() -> None:
+    assert odds(shape_probability(support(moved=0.3))) == pytest.approx(SURE - MOVED * 0.3)
+
+
+@pytest.mark.parametrize("moved", [-0.3, math.nan])
+def test_what_speaks_for_one_law_or_cannot_be_asked_adds_nothing(moved: float) -> None:
+    assert odds(shape_probability(support(moved=moved))) == pytest.approx(SURE)
+
+
+def test_no_argument_makes_a_name_impossible() -> None:
+    assert odds(shape_probability(support(moved=1e6))) == pytest.approx(-LARGEST_LOG_ODDS)
+
+
+def test_a_name_is_as_probable_as_that_it_adds_anything() -> None:
+    belief = belief_of(support(added=evidence_of(0.7), instead=-1e9))
+    assert belief.probability == pytest.approx(0.7 * shape_probability(support()))
+
+
+def test_a_rival_that_the_data_cannot_tell_stands_beside_the_name_and_takes_nothing() -> None:
+    belief = belief_of(support(rivals={"caster_drag": evidence_of(TOLD_APART - 0.01)}))
+    assert belief.among == ("tyre_scrub", "caster_drag")
+    assert belief.probability == pytest.approx(shape_probability(support()))
+
+
+def test_a_rival_that_is_beaten_takes_its_odds() -> None:
+    rivals = {"caster_drag": evidence_of(0.97), "payload_offset": evidence_of(0.96)}
+    belief = belief_of(support(rivals=rivals))
+    assert belief.among == ("tyre_scrub",)
+    against = 0.03 / 0.97 + 0.04 / 0.96
+    assert belief.probability == pytest.approx(shape_probability(support()) / (1.0 + against))
+
+
+@pytest.mark.parametrize(
+    ("weighed", "said"),
+    [
+        (
+            support(added=100.0, instead=40.0),
+            "a plain dependence on speed does better (evidence 40 more)",
+        ),
+        (
+            support(added=100.0, instead=10.0, beside=20.0),
+            "leaves what depends on turn (20 % of what it explains)",
+        ),
+        (
+            support(added=100.0, instead=40.0, instead_quantities=(), beside=20.0),
+            "leaves what depends on turn",
+        ),
+        (
+            support(added=100.0, beside=20.0, beside_quantities=(), moved=0.25),
+            "each drive asks for another size (25 % is lost)",
+        ),
+        (support(moved=0.25), "each drive asks for another size"),
+        (support(), "nearest: tyre_scrub or caster_drag, but not surely enough for a name"),
+    ],
+)
+def test_why_a_name_is_not_given_is_said(weighed: Support, said: str) -> None:
+    belief = Belief(weighed.effect, 0.5, ("tyre_scrub", "caster_drag"))
+    model = Model((), None, None, (), None, (weighed,), (belief,))  # type: ignore[arg-type]
+    sentence = decide._complaint(model)
+    assert said in sentence
+    assert "tyre_scrub or caster_drag" in sentence
+
+
+def judge() -> Judge:
+    engine = SimpleNamespace(simulators=("drive",))
+    return Judge(engine, [], DEFAULT_GATES, lambda part: None, np.random.default_rng(0))  # type: ignore[arg-type]
+
+
+def plain_model(**changes: object) -> Model:
+    left = Adequacy(1.0, 0.0, 0.0, "turn:time")
+    against = SimpleNamespace(loose=False, beside=0.0, beside_quantities=("speed", "turn"))
+    return replace(Model((), "base fit", left, (), against), **changes)  # type: ignore[arg-type]
+
+
+BARE = plain_model()
+
+
+def answered(monkeypatch: pytest.MonkeyPatch, outcome: str, effects: int, named: int, in_poses: bool):
+    """What the judge decides after this answer, where the poses alone show it or not; and how often they were asked."""
+    asked: list[object] = []
+    monkeypatch.setattr(decide, "shown_in_poses", lambda simulators, gates: asked.append(gates) or in_poses)
+    monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
+    model = plain_model(effects=tuple(range(effects)))
+    answer = Decision(outcome, "because.", None, None, model, tuple(range(named)), (), None, None)  # type: ignore[arg-type]
+    one = judge()
+    monkeypatch.setattr(Judge, "_answer", lambda self: answer)
+    return answer, one.decide(), len(asked)
+
+
+@pytest.mark.parametrize(("outcome", "effects", "named"), [("match", 0, 0), ("explained", 1, 1)])
+def test_a_match_and_one_sure_name_for_all_are_not_asked_of_the_poses(
+    monkeypatch: pytest.MonkeyPatch, outcome: str, effects: int, named: int
+) -> None:
+    answer, decision, asked = answered(monkeypatch, outcome, effects, named, False)
+    assert decision is answer
+    assert asked == 0
+
+
+@pytest.mark.parametrize(
+    ("outcome", "effects", "named"),
+    [("explained", 2, 1), ("explained", 2, 2), ("unexplained", 1, 0), ("unexplained", 0, 0)],
+)
+def test_any_other_answer_stands_where_the_poses_show_it(
+    monkeypatch: pytest.MonkeyPatch, outcome: str, effects: int, named: int
+) -> None:
+    answer, decision, asked = answered(monkeypatch, outcome, effects, named, True)
+    assert decision is answer
+    assert asked == 1
+
+
+def test_what_the_encoders_alone_see_is_a_match_of_the_bare_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, decision, _ = answered(monkeypatch, "explained", 2, 2, False)
+    assert (decision.outcome, decision.named, decision.model) == ("match", (), BARE)
+    assert decision.reason.endswith("the encoders alone differ: because.")
+
+
+def test_a_robot_without_effects_keeps_its_model_as_a_match(monkeypatch: pytest.MonkeyPatch) -> None:
+    answer, decision, _ = answered(monkeypatch, "unexplained", 0, 0, False)
+    assert (decision.outcome, decision.model) == ("match", answer.model)
+
+
+def nameless(monkeypatch: pytest.MonkeyPatch, model: Model, p_value: float) -> Decision:
+    monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: model)
+    return judge()._without_name(None, (), SimpleNamespace(p_value=p_value), None)  # type: ignore[arg-type]
+
+
+SURPRISED = Adequacy(DEFAULT_GATES.unexplained_surprise + 0.1, 9.0, 1.0, "turn:time")
+
+
+def test_nothing_left_is_a_match(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert nameless(monkeypatch, BARE, 0.0).outcome == "match"
+
+
+def test_a_surprise_that_stays_significant_is_unexplained(monkeypatch: pytest.MonkeyPatch) -> None:
+    decision = nameless(monkeypatch, plain_model(adequacy=SURPRISED), 0.5 * SIGNIFICANT)
+    assert decision.outcome == "unexplained"
+    assert "depends on turn:time" in decision.reason
+
+
+@pytest.mark.parametrize(
+    ("surprise", "p_value"), [(SURPRISED.surprise, SIGNIFICANT), (DEFAULT_GATES.unexplained_surprise, 0.0)]
+)
+def test_a_surprise_that_chance_gives_is_a_match(
+    monkeypatch: pytest.MonkeyPatch, surprise: float, p_value: float
+) -> None:
+    model = plain_model(adequacy=replace(SURPRISED, surprise=surprise))
+    assert nameless(monkeypatch, model, p_value).outcome == "match"
+
+
+@pytest.mark.parametrize(
+    ("loose", "more", "outcome"), [(False, 1.0, "unexplained"), (False, 0.0, "match"), (True, 1.0, "match")]
+)
+def test_forms_without_a_name_that_are_surely_there_are_unexplained(
+    monkeypatch: pytest.MonkeyPatch, loose: bool, more: float, outcome: str
+) -> None:
+    beside = DEFAULT_GATES.nameless + more
+    against = SimpleNamespace(loose=loose, beside=beside, beside_quantities=("speed", "turn"))
+    decision = nameless(monkeypatch, plain_model(contest=against), 1.0)
+    assert decision.outcome == outcome
+    assert ("speed and turn (evidence 21)" in decision.reason) is (outcome == "unexplained")
+
+
+def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabilities: float) -> Decision:
+    """What is answered where the strongest effect has this evidence and the names of the model these probabilities."""
+    ranking = [] if evidence is None else [SimpleNamespace(evidence=evidence)]
+    selector = SimpleNamespace(
+        distinct=True, ranked=lambda bank, base: ranking, best_grown=lambda ranking: "grown"
+    )
+    beliefs = tuple(
+        Belief(SimpleNamespace(name=f"effect{i}"), p, (f"effect{i}",)) for i, p in enumerate(probabilities)
+    )  # type: ignore[arg-type]
+    supports = tuple(support() for _ in beliefs)
+    model = plain_model(effects=tuple(range(len(beliefs))), supports=supports, beliefs=beliefs)
+    monkeypatch.setattr(decide, "fit_base", lambda engine: SimpleNamespace(values=()))
+    monkeypatch.setattr(decide, "situations_of", lambda simulators, values: ())
+    monkeypatch.setattr(decide, "locate", lambda *given: SimpleNamespace(p_value=1.0))
+    monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)
+    monkeypatch.setattr(decide, "Bank", SimpleNamespace(on=lambda *given, **named: "bank"))
+    monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
+    monkeypatch.setattr(Judge, "_weighed", lambda self, selection: model)
+    monkeypatch.setattr(decide, "placed", lambda engine, fit, effects, rng: "placed")
+    monkeypatch.setattr(decide, "dated", lambda engine, fit, effects: (fit, "dated"))
+    return judge()._answer()
+
+
+@pytest.mark.parametrize("evidence", [None, DEFAULT_GATES.detect - 0.1])
+def test_without_a_detected_effect_there_is_no_name(
+    monkeypatch: pytest.MonkeyPatch, evidence: float | None
+) -> None:
+    assert searched(monkeypatch, evidence, 0.9).model is BARE
+
+
+def test_a_detected_effect_that_no_name_is_sure_for_is_unexplained(monkeypatch: pytest.MonkeyPatch) -> None:
+    decision = searched(monkeypatch, DEFAULT_GATES.detect, 0.5, 0.3)
+    assert (decision.outcome, decision.named) == ("unexplained", ())
+    assert decision.reason.startswith("nearest: effect0")
+
+
+def test_a_sure_strongest_name_explains_with_its_place_and_moment(monkeypatch: pytest.MonkeyPatch) -> None:
+    decision = searched(monkeypatch, DEFAULT_GATES.detect, DEFAULT_GATES.least_confidence, 0.3)
+    assert (decision.outcome, decision.reason) == ("explained", "detected, adequate and useful")
+    assert [belief.name for belief in decision.named] == ["effect0"]
+    assert decision.model.fit == ("placed", "dated")
+
+
+def test_a_sure_weaker_name_explains_a_part_and_the_stronger_is_complained_of(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    decision = searched(monkeypatch, DEFAULT_GATES.detect, 0.5, 0.9)
+    assert decision.reason.startswith("effect1 for a part of it; nearest: effect0")
+
+
+def test_the_seconds_of_a_part_are_added_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock: Iterator[float] = iter([10.0, 12.0, 20.0, 25.0])
+    monkeypatch.setattr(decide, "perf_counter", lambda: next(clock))
+    one = judge()
+    for _ in range(2):
+        with one.part("base"):
+            pass
+    assert one.seconds == {"base": 7.0}
