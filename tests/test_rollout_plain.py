@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from fsm_calib.world2d.kernel import flag_places, kernel, memory_places
+from fsm_calib.world2d.kernel import flag_places, kernel
 from fsm_calib.world2d.loop import OUTPUTS
 from fsm_calib.world2d.parameters import parameters
-from fsm_calib.world2d.rollout import Drive, active_flags
+from fsm_calib.world2d.rollout import Drive, active_flags, working_arrays
 
 SAMPLES = np.arange(0.0, 20.0, 0.03)
 
@@ -22,7 +22,16 @@ def rolled(vector, general, dt):
     starts, track = np.array([[0.2, -0.1, 0.4, 0.1, 0.02, -0.5]]), np.zeros((0, 5))
     arrays = drive.padded(0.0)
     kernel().run_many(
-        vector[None], on, memory_places()[1], np.zeros(1, dtype=int), *arrays, SAMPLES, starts, track, dt, out
+        vector[None],
+        on,
+        *working_arrays(arrays[0].size),
+        np.zeros(1, dtype=int),
+        *arrays,
+        SAMPLES,
+        starts,
+        track,
+        dt,
+        out,
     )
     return out[0]
 

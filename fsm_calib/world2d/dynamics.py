@@ -63,9 +63,6 @@ from fsm_calib.world2d.slots import (
     MEAN_VX,
     MEAN_VY,
     MOMENT,
-    NEXT,
-    NEXT_COS,
-    NEXT_SIN,
     NEXT_VX,
     NEXT_VY,
     OMEGA,
@@ -84,7 +81,7 @@ from fsm_calib.world2d.slots import (
     X,
     Y,
 )
-from fsm_calib.world2d.tyres import settle, turn_wheels
+from fsm_calib.world2d.tyres import meet_ground, settle, turn_wheel
 
 GAIN, AXLE, TAU_FORWARD, TAU_TURN, WHEEL_RADIUS, BODY_MASS = 0, 2, 3, 4, 5, 7
 FRICTION, TYRE_SLIP, CASTER_SHARE, WHEEL_INERTIA = 8, 9, 10, 11
@@ -129,7 +126,7 @@ def share_load(P, W):
     W[LOAD], W[LOAD + 1] = wheels * left, wheels * (1.0 - left)
 
 
-@njit(**ARITHMETIC)
+@njit(**ARITHMETIC, forceinline=True)
 def begin_step(P, W):
     """Fill the workbench with the base robot's values for one step; the commands and the step are already
     there.
@@ -148,37 +145,55 @@ def begin_step(P, W):
         W[i] = 0.0
 
 
-@njit(**ARITHMETIC)
+@njit(**ARITHMETIC, forceinline=True)
 def finish_step(S, W):
-    """Solve the balance for the new velocity and place the robot; the result lies in W from `NEXT` on."""
+    """Move the robot by one step: the wheels meet the ground, the balance gives the velocity, that the pose.
+
+    What a step works out is kept in local variables: on arrays, the processor mostly waits for memory.
+    """
+    half, v, l, omega = W[HALF_AXLE], S[V], S[L], S[OMEGA]
+    left, right = meet_ground(S, W, v - half * omega, v + half * omega, l)
+    v1, l1, omega1 = new_twist(W, half, left, right, v, l, omega)
+    mean_v, mean_omega = 0.5 * (v + v1), 0.5 * (omega + omega1)
+    turn_wheel(S, W, 0, left, mean_v - half * mean_omega)
+    turn_wheel(S, W, 1, right, mean_v + half * mean_omega)
+    place_robot(S, W, v1, l1, omega1)
+    S[TIME] += W[STEP]
+
+
+@njit(**ARITHMETIC, forceinline=True)
+def new_twist(W, half, left, right, v, l, omega):
+    """Solve the balance for the twist (v [m/s], l [m/s], omega [rad/s]) after the step; the wheels are those of
+    `tyres.meet_ground`.
+    """
     h, m, cx, cy = W[STEP], W[MASS], W[COM_X], W[COM_Y]
-    v, l, omega = S[V], S[L], S[OMEGA]
-    gyro = m * omega
-    b01, b02, b12 = W[DAMP + 1] - gyro, W[DAMP + 2] - gyro * cx, W[DAMP + 4] - gyro * cy
-    b10, b20, b21 = W[DAMP + 1] + gyro, W[DAMP + 2] + gyro * cx, W[DAMP + 4] + gyro * cy
-    b00, b11, b22 = W[DAMP], W[DAMP + 3], W[DAMP + 5]
-    r0 = h * (W[FORCE_X] - b00 * v - b01 * l - b02 * omega)
-    r1 = h * (W[FORCE_Y] - b10 * v - b11 * l - b12 * omega)
-    r2 = h * (W[MOMENT] - b20 * v - b21 * l - b22 * omega)
+    soft, across_l, across_r = W[SIDE_COMPLIANCE], left[0], right[0]
+    if soft > 0.0:
+        across_l, across_r = across_l / (1.0 + across_l * soft), across_r / (1.0 + across_r * soft)
+    gyro, along, twist = m * omega, left[1] + right[1], half * (right[1] - left[1])
+    d00, d01, d02 = W[DAMP] + along, W[DAMP + 1], W[DAMP + 2] + twist
+    d11, d12 = W[DAMP + 3] + across_l + across_r, W[DAMP + 4]
+    b22 = W[DAMP + 5] + half * half * along
+    b01, b02, b12 = d01 - gyro, d02 - gyro * cx, d12 - gyro * cy
+    b10, b20, b21 = d01 + gyro, d02 + gyro * cx, d12 + gyro * cy
+    r0 = h * (W[FORCE_X] + left[2] + right[2] - d00 * v - b01 * l - b02 * omega)
+    r1 = h * (W[FORCE_Y] - b10 * v - d11 * l - b12 * omega)
+    r2 = h * (W[MOMENT] + half * (right[2] - left[2]) - b20 * v - b21 * l - b22 * omega)
     g = 0.5 * h
-    a00, a01, a02 = m + g * b00, g * b01, g * b02 - m * cy
-    a10, a11, a12 = g * b10, m + g * b11, g * b12 + m * cx
+    a00, a01, a02 = m + g * d00, g * b01, g * b02 - m * cy
+    a10, a11, a12 = g * b10, m + g * d11, g * b12 + m * cx
     a20, a21, a22 = g * b20 - m * cy, g * b21 + m * cx, W[INERTIA] + m * (cx * cx + cy * cy) + g * b22
     c00, c01, c02 = a11 * a22 - a12 * a21, a02 * a21 - a01 * a22, a01 * a12 - a02 * a11
+    c10, c11, c12 = a12 * a20 - a10 * a22, a00 * a22 - a02 * a20, a02 * a10 - a00 * a12
+    c20, c21, c22 = a10 * a21 - a11 * a20, a01 * a20 - a00 * a21, a00 * a11 - a01 * a10
     inverse = 1.0 / (a00 * c00 + a10 * c01 + a20 * c02)
     dv = (c00 * r0 + c01 * r1 + c02 * r2) * inverse
-    dl = (
-        (a12 * a20 - a10 * a22) * r0 + (a00 * a22 - a02 * a20) * r1 + (a02 * a10 - a00 * a12) * r2
-    ) * inverse
-    dw = (
-        (a10 * a21 - a11 * a20) * r0 + (a01 * a20 - a00 * a21) * r1 + (a00 * a11 - a01 * a10) * r2
-    ) * inverse
-    W[NEXT + V], W[NEXT + L], W[NEXT + OMEGA] = settle(v + dv), settle(l + dl), settle(omega + dw)
-    W[MEAN_OMEGA] = 0.5 * (omega + W[NEXT + OMEGA])
-    turn_wheels(S, W)
+    dl = (c10 * r0 + c11 * r1 + c12 * r2) * inverse
+    dw = (c20 * r0 + c21 * r1 + c22 * r2) * inverse
+    return settle(v + dv), settle(l + dl), settle(omega + dw)
 
 
-@njit(**ARITHMETIC, inline="always")
+@njit(**ARITHMETIC, forceinline=True)
 def small_rotation(angle):
     """Return cosine and sine of an angle [rad]; by their series when it is small, to the last digit, for
     speed.
@@ -192,36 +207,30 @@ def small_rotation(angle):
     )
 
 
-@njit(**ARITHMETIC)
-def place_robot(S, W):
-    """Move the centre of mass by the mean of its old and new velocity in `world`, and the axle with it.
+@njit(**ARITHMETIC, forceinline=True)
+def place_robot(S, W, v1, l1, omega1):
+    """Move the centre of mass by the mean of its old and new velocity in `world`, and the axle with it; the twist
+    (v1, l1, omega1) after the step is the new state's.
 
     What the tyres drift sideways is added along the mean of the old and new heading.
     """
-    h, cx, cy = W[STEP], W[COM_X], W[COM_Y]
-    theta = S[THETA] + h * W[MEAN_OMEGA]
+    h, cx, cy, drift = W[STEP], W[COM_X], W[COM_Y], W[SIDE_DRIFT]
+    v, l, omega = S[V], S[L], S[OMEGA]
+    mean_omega = 0.5 * (omega + omega1)
     c0, s0 = S[HEADING_COS], S[HEADING_SIN]
-    dc, ds = small_rotation(theta - S[THETA])
+    dc, ds = small_rotation(h * mean_omega)
     c1, s1 = c0 * dc - s0 * ds, s0 * dc + c0 * ds
-    W[NEXT_COS], W[NEXT_SIN] = c1, s1
-    vx, vy = S[V] - S[OMEGA] * cy, S[L] + S[OMEGA] * cx
-    ux, uy = W[NEXT + V] - W[NEXT + OMEGA] * cy, W[NEXT + L] + W[NEXT + OMEGA] * cx
-    W[NEXT_VX], W[NEXT_VY] = c1 * ux - s1 * uy, s1 * ux + c1 * uy
-    drift = W[SIDE_DRIFT]
-    W[MEAN_VX] = 0.5 * (c0 * vx - s0 * vy + W[NEXT_VX] - (s0 + s1) * drift)
-    W[MEAN_VY] = 0.5 * (s0 * vx + c0 * vy + W[NEXT_VY] + (c0 + c1) * drift)
-    W[NEXT + X] = S[X] + (c0 - c1) * cx - (s0 - s1) * cy + h * W[MEAN_VX]
-    W[NEXT + Y] = S[Y] + (s0 - s1) * cx + (c0 - c1) * cy + h * W[MEAN_VY]
-    W[NEXT + THETA] = theta
-
-
-@njit(**ARITHMETIC)
-def accept_step(S, W):
-    """Make the result of the step the new state."""
-    for i in range(6):
-        S[i] = W[NEXT + i]
-    S[HEADING_COS], S[HEADING_SIN] = W[NEXT_COS], W[NEXT_SIN]
-    S[TIME] += W[STEP]
+    vx, vy = v - omega * cy, l + omega * cx
+    ux, uy = v1 - omega1 * cy, l1 + omega1 * cx
+    next_vx, next_vy = c1 * ux - s1 * uy, s1 * ux + c1 * uy
+    mean_vx = 0.5 * (c0 * vx - s0 * vy + next_vx - (s0 + s1) * drift)
+    mean_vy = 0.5 * (s0 * vx + c0 * vy + next_vy + (c0 + c1) * drift)
+    S[X] += (c0 - c1) * cx - (s0 - s1) * cy + h * mean_vx
+    S[Y] += (s0 - s1) * cx + (c0 - c1) * cy + h * mean_vy
+    S[THETA] += h * mean_omega
+    S[V], S[L], S[OMEGA], S[HEADING_COS], S[HEADING_SIN] = v1, l1, omega1, c1, s1
+    W[NEXT_VX], W[NEXT_VY] = next_vx, next_vy
+    W[MEAN_VX], W[MEAN_VY], W[MEAN_OMEGA] = mean_vx, mean_vy, mean_omega
 
 
 @njit(**ARITHMETIC)

@@ -16,7 +16,7 @@ STEPS_TO_STOP = 4.0
 """Steps within which dry friction could stop a motion for it to be treated as a damper."""
 
 
-@njit(**ARITHMETIC, inline="always")
+@njit(**ARITHMETIC, forceinline=True)
 def add_force(W, fx, fy, moment):
     """Add a constant force (fx, fy) [N] in `base` at the axle centre and a moment [N m] to this step."""
     W[FORCE_X] += fx
@@ -24,7 +24,7 @@ def add_force(W, fx, fy, moment):
     W[MOMENT] += moment
 
 
-@njit(**ARITHMETIC, inline="always")
+@njit(**ARITHMETIC, forceinline=True)
 def add_damper(W, px, py, kx, ky):
     """Add a damper at the point (px, py) [m] of `base` with stiffness kx along x and ky along y [N s/m]."""
     W[DAMP] += kx

@@ -37,17 +37,15 @@ NOT_KEPT = (
 )
 
 COMPILED = ("integrate_levels", "look_at_track", "keep", "run", "run_many", "single_step", "ride")
-CACHED = ("run", "run_many", "ride", "begin", "shape", "delay")
+CACHED = ("run_many", "ride", "begin", "shape", "delay")
 """Functions that are called from Python and therefore kept on disk."""
 
 HEADER = '''"""Woven by fsm_calib.world2d.kernel from the catalogue of effects; do not edit. {digest}"""
 import math
-import numpy as np
 from numba import njit
-from fsm_calib.world2d.arithmetic import ARITHMETIC, EXACT
+from fsm_calib.world2d.arithmetic import EXACT, ARITHMETIC
 from fsm_calib.world2d.dynamics import *
 from fsm_calib.world2d.plain import glide, is_plain
-from fsm_calib.world2d.tyres import add_tyres
 from fsm_calib.world2d.slots import *
 OUTPUTS = {outputs}
 '''
@@ -120,7 +118,7 @@ def _stages(bare: bool) -> str:
         f"{kept}def delay(P, on):\n    late = 0.0\n"
         f"{_calls('delay', bare, 'late += {name}(P, {o})')}    return late\n\n\n"
         f"{plain}def step(P, on, S, W):\n    begin_step(P, W)\n"
-        f"{hooks}    add_tyres(S, W)\n    finish_step(S, W)\n    place_robot(S, W)\n\n\n"
+        f"{hooks}    finish_step(S, W)\n\n\n"
     )
 
 
@@ -161,7 +159,7 @@ def woven_source(bare: bool = False) -> str:
 
 @per_catalogue
 def kernel(bare: bool = False) -> ModuleType:
-    """Return the woven module (`run`, `run_many`, `ride`, `begin`, `shape`, `delay`); compiles on
+    """Return the woven module (`run_many`, `ride`, `begin`, `shape`, `delay`); compiles on
     first call. The bare one knows no effect: the same arithmetic, and a fraction of the code to compile.
     """
     source = woven_source(bare)

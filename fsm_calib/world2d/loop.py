@@ -10,22 +10,18 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from fsm_calib.world2d.arithmetic import ARITHMETIC, EXACT
 from fsm_calib.world2d.dynamics import (
-    accept_step,
     begin_base,
     begin_step,
     finish_step,
     look_around,
-    place_robot,
     share_load,
 )
 from fsm_calib.world2d.plain import glide, is_plain
 from fsm_calib.world2d.slots import (
-    BENCH_SIZE,
     COM_X,
     COM_Y,
     COMMAND,
@@ -38,8 +34,6 @@ from fsm_calib.world2d.slots import (
     MEAN_OMEGA,
     MEAN_VX,
     MEAN_VY,
-    MEMORY,
-    NEXT,
     NEXT_VX,
     NEXT_VY,
     OMEGA,
@@ -56,7 +50,6 @@ from fsm_calib.world2d.slots import (
     X,
     Y,
 )
-from fsm_calib.world2d.tyres import add_tyres
 
 OUTPUTS = 12
 """Columns of a result: x, y, theta, v, l, omega, wheel angles left and right, rim speeds left and right,
@@ -84,25 +77,17 @@ def delay(P, on):
 
 @njit(**ARITHMETIC)
 def step(P, on, S, W):
-    """Find velocity and pose after one step; the result lies in W, the state's pose and twist are
-    untouched.
-    """
+    """Make one step of the length and with the commands that lie in W."""
     begin_step(P, W)
-    add_tyres(S, W)
     finish_step(S, W)
-    place_robot(S, W)
 
 
 @njit(**ARITHMETIC)
-def integrate_levels(P, on, times, levels, side):
-    """Return shaped levels and their running integral [s] at the breakpoints, each of shape (n,)."""
-    n = times.size
-    shaped, total = np.empty(n), np.zeros(n)
-    for j in range(n):
+def integrate_levels(P, on, times, levels, side, shaped, total):
+    """Fill in the shaped levels and their running integral [s] at the breakpoints, each of shape (n,)."""
+    for j in range(times.size):
         shaped[j] = shape(P, on, levels[j], side)
-        if j > 0:
-            total[j] = total[j - 1] + shaped[j - 1] * (times[j] - times[j - 1])
-    return shaped, total
+        total[j] = total[j - 1] + shaped[j - 1] * (times[j] - times[j - 1]) if j > 0 else 0.0
 
 
 @njit(**ARITHMETIC)
@@ -126,21 +111,23 @@ def keep(out, k, S):
 
 
 @njit(**ARITHMETIC)
-def run(P, on, memory, looks, times, left, right, samples, start, track, limit, out):
+def run(P, on, S, W, levels, looks, times, left, right, samples, start, track, limit, out):
     """Drive the robot through the sample times [s] and write one row a sample, shape (n, 12).
 
-    `on` (flags, one an effect), `memory` (slots they need), `looks` (0: no place needed, 1: simulated pose,
-    2: track of shape (n, 5) at the sample times: x, y, theta, wheel angles), `start` (6: pose and twist of
-    the axle), `limit` the longest step [s]. Each interval between samples is cut into equal steps.
+    `on` (flags, one an effect), `S`, `W` and `levels` (4 rows of the length of `times`) room to work in, `looks`
+    (0: no place needed, 1: simulated pose, 2: track of shape (n, 5) at the sample times: x, y, theta, wheel angles),
+    `start` (6: pose and twist of the axle), `limit` the longest step [s]. Each interval between samples is cut into
+    equal steps.
     """
-    S, W = np.zeros(MEMORY + memory), np.zeros(BENCH_SIZE)
-    S[:6] = start
+    for i in range(S.size):
+        S[i] = start[i] if i < 6 else 0.0
     S[TIME] = samples[0]
     S[HEADING_COS], S[HEADING_SIN] = math.cos(S[THETA]), math.sin(S[THETA])
     begin(P, on, W)
     S[RIM], S[RIM + 1] = S[V] - W[HALF_AXLE] * S[OMEGA], S[V] + W[HALF_AXLE] * S[OMEGA]
-    level_l, total_l = integrate_levels(P, on, times, left, 0)
-    level_r, total_r = integrate_levels(P, on, times, right, 1)
+    level_l, total_l, level_r, total_r = levels[0], levels[1], levels[2], levels[3]
+    integrate_levels(P, on, times, left, 0, level_l, total_l)
+    integrate_levels(P, on, times, right, 1, level_r, total_r)
     late, last, j = delay(P, on), times.size - 1, 0
     keep(out, 0, S)
     if is_plain(W):
@@ -167,20 +154,34 @@ def run(P, on, memory, looks, times, left, right, samples, start, track, limit, 
             elif looks == 2:
                 look_at_track(W, track, k, (i + 0.5) / n)
             step(P, on, S, W)
-            accept_step(S, W)
         keep(out, k + 1, S)
 
 
 @njit(**ARITHMETIC)
-def run_many(Ps, ons, memory, looks, times, left, right, samples, starts, track, limit, out):
+def run_many(Ps, ons, S, W, levels, looks, times, left, right, samples, starts, track, limit, out):
     """Run every parameter vector of Ps, shape (k, p), from starts, shape (k, 6); out has shape (k, n, 12)."""
     for i in range(Ps.shape[0]):
-        run(Ps[i], ons[i], memory, looks[i], times, left, right, samples, starts[i], track, limit, out[i])
+        run(
+            Ps[i],
+            ons[i],
+            S,
+            W,
+            levels,
+            looks[i],
+            times,
+            left,
+            right,
+            samples,
+            starts[i],
+            track,
+            limit,
+            out[i],
+        )
 
 
 @njit(**ARITHMETIC)
 def single_step(P, on, S, W, u_left, u_right, h):
-    """Make one step of a robot that lives elsewhere: mean shaped commands [1], length h [s]; result in W."""
+    """Make one step of a robot that lives elsewhere: mean shaped commands [1], length h [s]."""
     W[STEP], W[COMMAND], W[COMMAND + 1] = h, u_left, u_right
     look_around(S, W)
     step(P, on, S, W)
@@ -207,11 +208,10 @@ def ride(P, on, S, W, body, commands, h, out):
         S[L] = c * vy - s * vx - omega * W[COM_X]
         S[OMEGA] = omega
         single_step(P, on, S, W, commands[k, 0], commands[k, 1], h)
-        S[TIME] += h
         body[6], body[7], body[8] = W[MEAN_VX], W[MEAN_VY], W[MEAN_OMEGA]
         body[9] = push * (W[NEXT_VX] - body[6])
         body[10] = push * (W[NEXT_VY] - body[7])
-        body[11] = twist * (W[NEXT + OMEGA] - body[8])
+        body[11] = twist * (S[OMEGA] - body[8])
         x, y, theta = x + body[6] * h, y + body[7] * h, theta + body[8] * h
         vx = body[6] + body[9] * mass_inverse * h
         vy = body[7] + body[10] * mass_inverse * h

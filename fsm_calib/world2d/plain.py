@@ -1,9 +1,8 @@
 r"""The roll-out where no effect acts in a step: the equations of `dynamics` and `tyres` in local variables.
 
-The general step keeps everything in arrays that hooks may change, and the processor mostly waits for memory.
-Without such a hook, with the mass over the axle's middle and no play or friction in the gears, the same equations are a
-recurrence of a dozen numbers: twice as fast, equal to the general step but for the order of roundings
-(`tests/test_rollout_plain.py`).
+The general step reads from arrays what hooks may change. Without such a hook, with the mass over the axle's middle and
+no play or friction in the gears, the same equations are a recurrence of a dozen numbers: a quarter faster, equal to the
+general step but for the order of roundings (`tests/test_rollout_plain.py`).
 """
 
 from __future__ import annotations
@@ -36,45 +35,16 @@ from fsm_calib.world2d.slots import (
     X,
     Y,
 )
-from fsm_calib.world2d.tyres import DAMPED_MIDDLE, NEWTON_STEPS, NEWTON_TOLERANCE, settle
+from fsm_calib.world2d.tyres import DAMPED_MIDDLE, line, settle, slips_at_crossing
 
 
-@njit(**ARITHMETIC, inline="always")
+@njit(**ARITHMETIC, forceinline=True)
 def is_plain(W):
     """Return whether no hook acts in a step and the mass is over the axle's middle."""
     return W[HOOKED] == 0.0 and W[COM_X] == 0.0 and W[COM_Y] == 0.0
 
 
-@njit(**ARITHMETIC, inline="always")
-def slips(excess_l, excess_r, drive, grip_l, grip_r, floor2, guess_l, guess_r):
-    """Return both wheels' slips [m/s] where motor and tyre cross: `tyres.slip_at_crossing`, side by side."""
-    far_l, far_r = abs(excess_l), abs(excess_r)
-    s_l, s_r = min(abs(guess_l), far_l), min(abs(guess_r), far_r)
-    live_l, live_r = True, True
-    for _ in range(NEWTON_STEPS):
-        r2_l, r2_r = s_l * s_l + floor2, s_r * s_r + floor2
-        q_l, q_r = math.sqrt(r2_l), math.sqrt(r2_r)
-        c_l = (drive * (far_l - s_l) * q_l - grip_l * s_l) * r2_l / (drive * r2_l * q_l + grip_l * floor2)
-        c_r = (drive * (far_r - s_r) * q_r - grip_r * s_r) * r2_r / (drive * r2_r * q_r + grip_r * floor2)
-        s_l = max(s_l + c_l, 0.0) if live_l else s_l
-        s_r = max(s_r + c_r, 0.0) if live_r else s_r
-        live_l = live_l and abs(c_l) >= NEWTON_TOLERANCE
-        live_r = live_r and abs(c_r) >= NEWTON_TOLERANCE
-        if not (live_l or live_r):
-            break
-    return math.copysign(s_l, excess_l), math.copysign(s_r, excess_r)
-
-
-@njit(**ARITHMETIC, inline="always")
-def line(slip, speed, drive, grip, floor2):
-    """Return a tyre's secant stiffness, and slope [N s/m] and force [N] of the wheel as the body feels it."""
-    r2 = slip * slip + floor2
-    stiffness = grip / math.sqrt(r2)
-    slope = drive * stiffness * floor2 / (drive * r2 + stiffness * floor2)
-    return stiffness, slope, stiffness * slip + slope * speed
-
-
-@njit(**ARITHMETIC, inline="always")
+@njit(**ARITHMETIC, forceinline=True)
 def push_body(h, m, inertia, half, wheel_l, wheel_r, v, l, omega):
     """Return the twist after the step: `dynamics.finish_step` with the centre of mass on the axle's middle."""
     stiff_l, slope_l, force_l = wheel_l
@@ -125,8 +95,12 @@ def glide(P, W, S, late, times, level_l, total_l, level_r, total_r, samples, lim
             free_r = (base * gain_r * ((to_r - at_r) * per_second) + inert * rim_r) * share
             at_l, at_r, floor2 = to_l, to_r, l * l + least2
             v_l, v_r = v - half * omega, v + half * omega
-            new_l, new_r = slips(
-                free_l - v_l, free_r - v_r, drive, grip_l, grip_r, floor2, slip_l + trend_l, slip_r + trend_r
+            new_l, new_r = slips_at_crossing(
+                (free_l - v_l, free_r - v_r),
+                (drive, drive),
+                (grip_l, grip_r),
+                floor2,
+                (slip_l + trend_l, slip_r + trend_r),
             )
             trend_l, trend_r, slip_l, slip_r = new_l - slip_l, new_r - slip_r, new_l, new_r
             wheel_l = line(slip_l, v_l, drive, grip_l, floor2)

@@ -19,6 +19,7 @@ from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.kernel import kernel, memory_places
 from fsm_calib.world2d.loop import OUTPUTS
 from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.slots import BENCH_SIZE, MEMORY
 
 COLUMNS = (
     *("x", "y", "theta", "v", "v_lateral", "omega", "wheel_angle_left", "wheel_angle_right"),
@@ -145,6 +146,11 @@ def rolled_angles(track: FloatArray, parameters: FloatArray) -> FloatArray:
     return np.vstack([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 
 
+def working_arrays(levels: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the arrays that a roll-out works in: state, workbench, and room for the levels of a drive of that many."""
+    return np.zeros(MEMORY + memory_places()[1]), np.zeros(BENCH_SIZE), np.zeros((4, levels))
+
+
 def simulate(
     parameters: FloatArray,
     drive: Drive,
@@ -199,6 +205,6 @@ def simulate_many(
     out = np.empty((len(matrix), samples.size, OUTPUTS))
     times, left, right = drive.padded(samples[0])
     kernel(bare=not on.any()).run_many(
-        matrix, on, memory_places()[1], looks, times, left, right, samples, starts, track, dt, out
+        matrix, on, *working_arrays(times.size), looks, times, left, right, samples, starts, track, dt, out
     )
     return out

@@ -59,40 +59,29 @@ HALF_AXLE = 32
 """Half the distance between the wheels [m]."""
 RADIUS = 33
 """Radii of the wheels [m] (33, 34)."""
-SLIP_STIFFNESS = 35
-"""Secant stiffness of the tyres in this step, force per slip speed [N s/m] (35, 36)."""
-LINE_FORCE, LINE_SLOPE = 37, 39
-"""The wheel as the body feels it: force along = force (37, 38) [N] - slope (39, 40) [N s/m] times its ground
-speed."""
-NEXT = 41
-"""State after the step: x, y, theta, v, l, omega (41 to 46)."""
-MEAN_VX, MEAN_VY, MEAN_OMEGA = 47, 48, 49
+MEAN_VX, MEAN_VY, MEAN_OMEGA = 35, 36, 37
 """Mean velocity of the centre of mass in `world` [m/s] and mean yaw rate [rad/s] over the step."""
-NEXT_VX, NEXT_VY = 50, 51
+NEXT_VX, NEXT_VY = 38, 39
 """Velocity of the centre of mass in `world` after the step [m/s]."""
-LOAD = 52
-"""Wheel loads [N] (52, 53)."""
-NEXT_COS, NEXT_SIN = 54, 55
-"""Cosine and sine of the heading after the step."""
-RIM_TARGET, RIM_SHARE = 56, 58
-"""The rim's mean speed = target (56, 57) [m/s] - share (58, 59) [m/(N s)] times the force along."""
-ENGAGED = 60
-"""How much of the step the motors' gears are engaged, 0 to 1 (60, 61)."""
-BASE_DRIVE, ROTATING = 62, 63
+LOAD = 40
+"""Wheel loads [N] (40, 41)."""
+ENGAGED = 42
+"""How much of the step the motors' gears are engaged, 0 to 1 (42, 43)."""
+BASE_DRIVE, ROTATING = 44, 45
 """The base's DRIVE [N s/m], and the rotating inertia of a wheel and its motor as a mass at the rim [kg]."""
-LAST_SLIP = 64
-"""Slip of the tyres in the step before [m/s] (64, 65): the search for the next begins where it was going."""
-WHEEL_ENCODER = 66
+LAST_SLIP = 46
+"""Slip of the tyres in the step before [m/s] (46, 47): the search for the next begins where it was going."""
+WHEEL_ENCODER = 48
 """Whether encoders turn with the wheels (1) or with the motors (0); they differ while gears are in their play."""
-FREE_ROTATING = 67
+FREE_ROTATING = 49
 """The part of ROTATING that turns with the motor alone while its gears are in their play [kg]."""
-SLIP_TREND = 68
-"""How much the slip of the tyres changed in the step before [m/s] (68, 69)."""
-HOOKED = 70
+SLIP_TREND = 50
+"""How much the slip of the tyres changed in the step before [m/s] (50, 51)."""
+HOOKED = 52
 """Whether any effect acts in a step (1) or none (0)."""
-SIDE_DRIFT = 71
+SIDE_DRIFT = 53
 """Sideways speed that bent tyres and springs add to the motion without a force of their own [m/s]."""
-BENCH_SIZE = 72
+BENCH_SIZE = 54
 
 # ---- constants of the world ----
 GRAVITY = 9.80665
