@@ -92,6 +92,10 @@ def start_engine(setup: Setup, pose: Array) -> Engine:
         from foreign.bullet_engine import Bullet
 
         return Bullet(setup, pose)
+    if setup.engine == "drake":
+        from foreign.drake_engine import Drake
+
+        return Drake(setup, pose)
     return Planar(setup, pose)
 
 
