@@ -15,6 +15,12 @@ Apply = Callable[[Setup, float, np.random.Generator], Sizes]
 
 PLACED = {"rough_floor_patch", "low_friction_patch", "misplaced_marker"}
 TIMED = {"motor_fault", "external_push"}
+FITTED = {
+    "trailing": {"fork": 1.0},
+    "ball": {"caster_friction": 0.01},
+    "drift": {"moving_floor": 1.0},
+    "conveyor": {"moving_floor": 1.0},
+}  # pieces that a robot in Drake has for a law, also while the law does not act
 
 
 @dataclass(frozen=True)
@@ -34,8 +40,10 @@ class Law:
 
 
 LAWS: dict[str, list[Law]] = {}
-ALL = ("planar", "mujoco", "pybullet")
+ALL = ("planar", "mujoco", "pybullet", "drake")
 FLAT = ("planar",)
+BODIES = ("planar", "drake")  # a natural cause in Drake alone of the 3-D engines
+PUSHED = ("planar", "mujoco", "pybullet")  # forces by a formula, whose cause Drake has itself
 
 
 def law(

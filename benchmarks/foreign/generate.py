@@ -8,6 +8,7 @@ DIR/robot-000/{run-a,run-b,run-h} are recordings `fsm-calib/recording@1`, DIR/ke
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import json
 import multiprocessing
 import sys
@@ -76,7 +77,15 @@ def orders(seed: int, count: int, engine: str) -> list[Order]:
         if any(not any(kind in item.engines for item in LAWS[label]) for label in labels):
             kind = "planar"
         out.append(Order(f"robot-{k:03d}", family, tuple(labels), kind, int(rng.integers(2**31))))
-    return out
+    return with_masses(out, seed) if engine == "drake" else out
+
+
+def with_masses(wanted: list[Order], seed: int) -> list[Order]:
+    """Give robots in Drake their masses: its three kinds take turns."""
+    from foreign.drake_engine import draw_mass
+
+    rng = np.random.default_rng([seed, 3])
+    return [dataclasses.replace(order, mass=draw_mass(rng, k)) for k, order in enumerate(wanted)]
 
 
 def job(task: tuple[Order, Path]) -> dict:
@@ -108,7 +117,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--robots", type=int, default=60)
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--engine", default="mixed", choices=["planar", "mujoco", "pybullet", "mixed"])
+    parser.add_argument(
+        "--engine", default="mixed", choices=["planar", "mujoco", "pybullet", "drake", "mixed"]
+    )
     parser.add_argument("--jobs", type=int, default=1)
     args = parser.parse_args()
     (args.out / ".keys").mkdir(parents=True, exist_ok=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from foreign.catalogue import ALL, FLAT, Sizes, law, which_wheels
+from foreign.catalogue import ALL, BODIES, FLAT, PUSHED, Sizes, law, which_wheels
 from foreign.planar import FX, FY, MZ
 from foreign.setup import Array, Setup, add_mass
 
@@ -32,21 +32,21 @@ def offset_hub(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"wheels": which, "offset_m": eccentric(setup, which, 0, 0.03 * s, rng)}
 
 
-@law("wheel_eccentricity", "oval_tyre", FLAT, most=5)
+@law("wheel_eccentricity", "oval_tyre", BODIES, most=5)
 def oval_tyre(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """The tyre is oval: two lobes in a turn."""
     which = which_wheels(rng, 0.3)
     return {"wheels": which, "oval_m": eccentric(setup, which, 2, 0.04 * s, rng)}
 
 
-@law("wheel_eccentricity", "tape", FLAT, most=4)
+@law("wheel_eccentricity", "tape", BODIES, most=4)
 def tape(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """A strip of tape across the tread."""
     which = which_wheels(rng, 0.3)
     return {"wheels": which, "bump_m": eccentric(setup, which, 3, 0.10 * s, rng)}
 
 
-@law("caster_drag", "trailing", ("planar", "mujoco"), most=8)
+@law("caster_drag", "trailing", ("planar", "mujoco", "drake"), most=8)
 def trailing(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """A trailing wheel with rolling resistance and dry swivel friction; it kicks when the direction changes."""
     arm = abs(setup.body["caster_x"])
@@ -64,7 +64,7 @@ def ball(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"rolling_share": 0.10 * s}
 
 
-@law("caster_drag", "gritty", ALL, most=6)
+@law("caster_drag", "gritty", PUSHED, most=6)
 def gritty(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """A gritty, greasy ball: drag grows with speed."""
     drag = 0.03 * s * setup.weight / setup.speed
@@ -81,7 +81,7 @@ def gritty(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"viscous_N_s_per_m": drag}
 
 
-@law("caster_drag", "stuck_swivel", ALL, most=8)
+@law("caster_drag", "stuck_swivel", PUSHED, most=8)
 def stuck_swivel(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """The fork sticks where it was until the robot has run some way: a sideways force until it has come about."""
     arm = setup.body["caster_x"]
@@ -110,7 +110,7 @@ def stuck_swivel(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"swivel_N": force, "settle_m": way, "rolling_share": 0.3 * force / setup.weight}
 
 
-@law("tyre_scrub", "wide_patch", FLAT, most=8)
+@law("tyre_scrub", "wide_patch", BODIES, most=8)
 def wide_patch(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """Wide tyres: each strip across the width has its own slip, so turning scrubs."""
     width = min(0.12 * s * setup.size, 0.9 * setup.size)
@@ -136,7 +136,7 @@ def viscous_moment(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"moment_N_m_s": moment}
 
 
-@law("tyre_scrub", "idle_wheels", ALL, most=6)
+@law("tyre_scrub", "idle_wheels", PUSHED, most=6)
 def idle_wheels(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """A second, idle pair of wheels ahead slides sideways in turns (a skid-steered chassis)."""
     arm, share = 0.5 * setup.size, 0.05 * s

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from foreign.catalogue import FLAT, Sizes, law
+from foreign.catalogue import BODIES, FLAT, PUSHED, Sizes, law
 from foreign.planar import DRAG_C, DRAG_L, DRAG_R, FLOOR_X, FLOOR_Y, FX, FY, MU_L, MU_R, MZ, SLACK_L, SLACK_R
 from foreign.setup import Array, Setup
 
@@ -57,7 +57,7 @@ def warped(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"tilt_rad": angle, "downhill_rad": way}
 
 
-@law("carpet_nap", "drift", FLAT, most=5)
+@law("carpet_nap", "drift", BODIES, most=5)
 def nap_drift(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """Tips of the pile bend under a turning wheel: the robot is carried along the nap at a share of its speed."""
     share, way = 0.03 * s, float(rng.uniform(-np.pi, np.pi))
@@ -119,7 +119,7 @@ def at_wheels(setup: Setup, state: Array) -> tuple[float, float, float]:
     )
 
 
-@law("rough_floor_patch", "rolling", FLAT, most=5)
+@law("rough_floor_patch", "rolling", BODIES, most=5)
 def rough_rolling(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """Carpet or sand: a larger coefficient of rolling resistance under each wheel that stands in it."""
     c = 0.10 * s
@@ -146,7 +146,7 @@ def drag_at(setup: Setup, state: Array, hook: Array, force: float, law_of_speed)
         hook[MZ] -= y * push
 
 
-@law("rough_floor_patch", "grass", most=5)
+@law("rough_floor_patch", "grass", PUSHED, most=5)
 def rough_grass(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """Tall pile: drag grows with speed."""
     c = 0.16 * s
@@ -158,7 +158,7 @@ def rough_grass(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"rolling": c}
 
 
-@law("rough_floor_patch", "bumps", most=5)
+@law("rough_floor_patch", "bumps", PUSHED, most=5)
 def rough_bumps(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """Gravel: a mean drag with a random part over every few centimetres of way."""
     c = 0.10 * s

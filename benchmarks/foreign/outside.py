@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from foreign.catalogue import FLAT, Sizes, law
+from foreign.catalogue import BODIES, Sizes, law
 from foreign.planar import FLOOR_X, FLOOR_Y, FX, FY, MZ
 from foreign.setup import Array, Setup
 
@@ -34,7 +34,7 @@ def fan(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     return {"force_N": force, "way_rad": way}
 
 
-@law(LABEL, "conveyor", FLAT, placed=True, most=6)
+@law(LABEL, "conveyor", BODIES, placed=True, most=6)
 def conveyor(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
     """A belt in the floor carries the robot."""
     way, speed, place = float(rng.uniform(-np.pi, np.pi)), 0.10 * s * setup.speed, setup.place

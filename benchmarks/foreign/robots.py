@@ -28,7 +28,7 @@ class Robot:
     sensing: dict[str, float]  # rate [Hz], noise [m], turn_noise [rad], tails, dropped, ticks (0 = none)
     command: str  # normalized or twist
     seed: int = 0
-    known: dict[str, Any] = field(default_factory=dict)
+    pieces: dict[str, float] = field(default_factory=dict)  # that it has from the start, in Drake
 
 
 def draw_robot(
@@ -181,7 +181,8 @@ def draw_departures(
     """Draw two to four small departures, none of them a labelled effect; mass behind the axle is nearly always one."""
     names = [n for n, (_, same) in DEPARTURES.items() if not same & set(labels) and n != "mass_behind"]
     if engine != "planar":
-        names = [n for n in names if n not in {"rolling", "caster"}]
+        fixed = {"caster"} if engine == "drake" else {"rolling", "caster"}
+        names = [n for n in names if n not in fixed]
     picked = [str(n) for n in rng.choice(names, int(rng.integers(1, 4)), replace=False)]
     if "payload_offset" not in labels:
         picked = ["mass_behind", *picked]
@@ -204,6 +205,7 @@ def build(
     )  # fmt: skip
     if robot.seed % 2:
         setup.pieces["swivel_caster"] = 1.0  # in MuJoCo
+    setup.pieces.update(robot.pieces)
     if small > 0:
         for name, size in robot.departures:
             DEPARTURES[name][0](setup, size, small)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from foreign.catalogue import LAWS, Law
+from foreign.catalogue import FITTED, LAWS, Law
 from foreign.drive import Drive, piloted, replay
 from foreign.pilot import Pilot
 from foreign.robots import Robot, build, draw_robot
@@ -152,6 +152,9 @@ def draw_bench(order: Order, attempt: int) -> Bench:
             item for item in LAWS[label] if order.engine in item.engines and order.law in ("", item.name)
         ]
         effects.append(Effect(choice[int(rng.integers(len(choice)))], 1.0, int(rng.integers(2**31))))
+    if order.engine == "drake":
+        pieces = {k: v for e in effects for k, v in FITTED.get(e.law.name, {}).items()}
+        robot = dataclasses.replace(robot, pieces=pieces)
     if order.family == "masked":
         sensing = {
             **robot.sensing,
