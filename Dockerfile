@@ -5,7 +5,7 @@ COPY pyproject.toml setup.py README.md LICENSE ./
 COPY fsm_calib fsm_calib
 COPY scenarios scenarios
 COPY diagrams diagrams
-RUN python3 -m pip install --no-cache-dir .
+RUN python3 -m pip install --no-cache-dir . && fsm-calib warm
 WORKDIR /work
 ENTRYPOINT ["fsm-calib"]
 CMD ["run", "full_calibration"]

@@ -37,6 +37,7 @@ COMMAND_MODULES: tuple[str, ...] = (
     "study",
     "fleet",
     "begin",
+    "warm",
     "targets",
     "watch",
 )
