@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -76,3 +77,15 @@ def test_no_drive_near_straight_leaves_k_unknown(bench: Bench, monkeypatch) -> N
     bench.notebook.wheel_ratio = 1.07
     found = combined_ratio(bench)
     assert (found.ratio, found.error) == (1.07, math.inf)
+
+
+def test_drives_at_several_k_tell_how_much_of_a_mismatch_each_shows(bench: Bench, monkeypatch) -> None:
+    """A robot whose axle is a tenth longer than the nominal one shows nine tenths of each mismatch."""
+    shown, true_ratio, ratios = 0.9, 1.01, (0.97, 1.0, 1.03)
+    scale = LENGTH / bench.settings.ratio.axle_length
+    turned = [-shown * (true_ratio - ratio) * scale for ratio in ratios]
+    drives(monkeypatch, bench, turned, 0.001)
+    bench.notebook.runs = [
+        replace(run, wheel_ratio=ratio) for run, ratio in zip(bench.notebook.runs, ratios, strict=True)
+    ]
+    assert combined_ratio(bench).ratio == pytest.approx(true_ratio, abs=1e-3)

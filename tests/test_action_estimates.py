@@ -216,7 +216,9 @@ def test_as_published_a_short_drive_may_be_quiet():
     bench = Bench(NoRobot(), with_published(ActionSettings(), "equation_3"))
     bench.notebook.readings, bench.notebook.last_duration, bench.notebook.last_ratio = readings, 1.0, 1.0
     bench.notebook.runs.append(run_from_readings(bench, 0.2))
-    assert update_ratio(bench).evidence["quiet"] is True
+    outcome = update_ratio(bench)
+    assert outcome.evidence["quiet"] is True
+    assert outcome.sentence.endswith(", quiet.")
 
 
 def test_all_drives_together_find_the_ratio_that_each_drive_halves():

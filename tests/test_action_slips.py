@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -205,6 +206,16 @@ def test_the_next_board_lies_in_the_direction_of_the_turn(bench: Bench) -> None:
     assert beyond(bench, ROW, CLOCKWISE, 0.0) is LEFT
     assert first_of((), CLOCKWISE) is None
     assert first_of(ROW, COUNTERCLOCKWISE) is RIGHT
+
+
+@pytest.mark.parametrize("columns", [(), (100.0, 500.0, 300.0)], ids=["none", "three"])
+def test_the_boards_of_a_frame_come_from_the_right_to_the_left(bench: Bench, monkeypatch, columns) -> None:
+    frame = Frame(np.zeros((4, 4), dtype=np.uint8), 0.0, 0)
+    views = [SimpleNamespace(corners_image=np.full((35, 2), column)) for column in columns]
+    monkeypatch.setattr(boards, "find_boards", lambda image, board: views)
+    found = boards.sightings(bench, frame)
+    assert [sighting.view.corners_image[0, 0] for sighting in found] == sorted(columns, reverse=True)
+    assert len(bench.frames[0].points_image) == 35 * len(columns)
 
 
 def test_a_kept_view_is_followed_from_then_on(bench: Bench, monkeypatch) -> None:

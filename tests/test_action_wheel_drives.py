@@ -191,6 +191,14 @@ def test_a_pure_turn_is_a_motion_too(bench: Bench, monkeypatch) -> None:
     assert len(bench.robot.commands) == 1
 
 
+def test_markers_that_lie_askew_and_do_not_move_are_no_motion(bench: Bench, monkeypatch) -> None:
+    askew = tuple(replace(tag, heading=0.4) for tag in seen_from(Pose2()))
+    bench.notebook.reading = MarkerReading(askew, 0.4, 0.0)
+    looks(monkeypatch, askew, seen_from(Pose2(0.2, 0.0, 0.0)))
+    drive_forward(bench)
+    assert len(bench.robot.commands) == 2
+
+
 def test_a_shift_and_a_turn_add_up(bench: Bench, monkeypatch) -> None:
     start = bench.notebook.reading.tags
     looks(monkeypatch, tuple(replace(tag, x=tag.x - 0.015, heading=tag.heading + 0.05) for tag in start))

@@ -244,8 +244,19 @@ def test_wheel_rates_beyond_one_are_no_clipped_commands() -> None:
 def test_channels_that_share_less_than_a_fifth_of_the_shorter_have_two_clocks(
     begins: float, is_told: bool
 ) -> None:
-    time = np.linspace(0.0, 20.0, 41)
-    pair = [CommandTrack(time, np.full(41, 0.3), np.full(41, 0.3)), None]
+    time = 100.0 + np.linspace(0.0, 20.0, 41)
     wheels = WheelPair(begins + time, np.sin(time), np.cos(time), "rad/s")
-    told = [finding.kind for finding in found(command=pair[0], wheel_rate=wheels)]
+    track = CommandTrack(time, np.full(41, 0.3), np.full(41, 0.3))
+    told = [finding.kind for finding in found(command=track, wheel_rate=wheels)]
     assert ("clocks" in told) is is_told
+
+
+@pytest.mark.parametrize(
+    ("one", "other"), [((100.0, 120.0), (119.0, 121.0)), ((119.0, 121.0), (100.0, 120.0))]
+)
+def test_a_short_channel_shares_enough_with_half_of_its_own_length(
+    one: tuple[float, float], other: tuple[float, float]
+) -> None:
+    track = CommandTrack(np.linspace(*one, 9), np.full(9, 0.3), np.full(9, 0.3))
+    wheels = WheelPair(np.linspace(*other, 9), np.linspace(0.0, 1.0, 9), np.linspace(0.0, 2.0, 9), "rad/s")
+    assert found(command=track, wheel_rate=wheels) == []

@@ -5,6 +5,7 @@ import pytest
 from recording_samples import every_channel
 
 from fsm_calib.recording import PoseTrack, Recording, held_at, held_integral, resample_pose
+from fsm_calib.types import Pose2
 
 
 def test_arrays_of_a_channel_cannot_be_written():
@@ -30,6 +31,11 @@ def test_recordings_with_other_numbers_differ():
 def test_unknown_headings_are_equal_to_each_other():
     track = PoseTrack(np.arange(3.0), np.zeros(3), np.zeros(3), np.full(3, np.nan))
     assert track == PoseTrack(np.arange(3.0), np.zeros(3), np.zeros(3), np.full(3, np.nan))
+
+
+def test_a_row_of_a_track_is_a_pose():
+    track = PoseTrack(np.arange(2.0), np.array([1.0, 2.0]), np.array([3.0, 4.0]), np.array([0.1, 0.2]))
+    assert track.pose(1) == Pose2(2.0, 4.0, 0.2)
 
 
 def test_window_keeps_measurements_inside_and_the_command_that_holds():
