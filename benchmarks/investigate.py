@@ -1,11 +1,13 @@
 """Robots with hidden effects investigate themselves: designed drives against random ones of the same manoeuvres.
 
     python3 benchmarks/investigate.py --out out/investigate.jsonl             # about a minute of CPU for each robot
+    python3 benchmarks/investigate.py --drawn 20 --seed 1 --out out/drawn.jsonl         # robots drawn from the catalogue
     python3 benchmarks/investigate.py --summary out/investigate.jsonl
 
 Every robot is drawn from the fleet and driven in this project's own world (pymunk, 2 ms steps) under a tracker at
 the ceiling; the investigation never sees the world's truth. Sizes: plain = the typical size of the effect's file,
-masked = half of it, faint = a quarter. Both arms have the same robot, noise seed, budget and rule to end.
+masked = half of it, faint = a quarter. `--drawn` draws kinds, effects and sizes (within a quarter of these) from a seed that
+no development saw, so that the robots are sealed until the summary is printed. A call goes on where the one before ended. Both arms have the same robot, noise seed, budget and rule to end.
 """
 
 from __future__ import annotations
@@ -31,13 +33,25 @@ ROBOTS = (
     ("pair", "motor_deadband", "sensor_offset"), ("pair", "floor_tilt", "motor_gain_curve"),
     ("clean",), ("clean",), ("clean",), ("one set", "command_delay"),
 )  # fmt: skip
+KINDS = ("plain", "masked", "faint", "pair", "clean")
+HIDDEN = (
+    "motor_deadband", "command_saturation", "motor_gain_curve", "motor_reverse_asymmetry", "motor_asymmetric_lag",
+    "coulomb_friction", "gear_backlash", "battery_sag", "wheel_eccentricity", "caster_drag", "tyre_scrub", "lateral_slip",
+    "payload_offset", "floor_tilt", "carpet_nap", "rough_floor_patch", "low_friction_patch", "sensor_offset", "command_delay",
+)  # fmt: skip
 ARMS = {"designed": design, "random": partial(random_drive, seconds=12.0)}
 SAME = {"command_delay": "delay", "observation_delay": "delay"}
 
 
-def effects(kind: str, names: tuple[str, ...]) -> dict:
+def drawn(seed: int, number: int) -> tuple[str, ...]:
+    """Kind and effects of a robot that a seed draws."""
+    kind, rng = KINDS[number % len(KINDS)], np.random.default_rng([seed, number])
+    return (kind, *rng.choice(HIDDEN, {"clean": 0, "pair": 2}.get(kind, 1), replace=False).tolist())
+
+
+def effects(kind: str, names: tuple[str, ...], factor: float) -> dict:
     """The hidden effects, each typical number moved towards the value that changes nothing."""
-    share = SIZES.get(kind, 1.0)
+    share = factor * SIZES.get(kind, 1.0)
     return {
         name: {
             p.name: p.null + share * (p.typical - p.null) if p.strength else p.typical
@@ -47,23 +61,24 @@ def effects(kind: str, names: tuple[str, ...]) -> dict:
     }
 
 
-def robot(number: int, kind: str, names: tuple[str, ...], budget: float) -> Scenario:
+def robot(number: int, kind: str, names: tuple[str, ...], budget: float, seed: int | None) -> Scenario:
+    factor = 1.0 if seed is None else float(np.random.default_rng([seed, number, 1]).uniform(0.75, 1.25))
     return Scenario.model_validate(
         {
             "name": f"robot-{number}",
-            "seed": 1000 + number,
-            "robot": {"effects": effects(kind, names)},
+            "seed": 1000 + number + 1000 * (seed or 0),
+            "robot": {"effects": effects(kind, names, factor)},
             "scene": {"boards": {"placed": ({"board": {}, "x": 3.0, "y": 0.0},)}},
             "investigate": {"budget": budget},
         }
     )
 
 
-def one(number: int, arm: str, budget: float) -> dict:
-    kind, *names = ROBOTS[number]
+def one(number: int, arm: str, budget: float, seed: int | None) -> dict:
+    kind, *names = ROBOTS[number] if seed is None else drawn(seed, number)
     with tempfile.TemporaryDirectory() as folder:
         going, result = investigate(
-            robot(number, kind, tuple(names), budget), Path(folder), designer=ARMS[arm]
+            robot(number, kind, tuple(names), budget, seed), Path(folder), designer=ARMS[arm]
         )
     truth = {SAME.get(name, name) for name in names}
     right = [{SAME.get(n, n) for n in drive_names(d)} == truth for d in result["drives"]]
@@ -148,15 +163,23 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/investigate.jsonl"))
     parser.add_argument("--budget", type=float, default=90.0)
     parser.add_argument("--robots", type=int, default=len(ROBOTS))
+    parser.add_argument(
+        "--drawn", type=int, default=0, help="so many drawn robots in place of the listed ones"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="what draws them")
     parser.add_argument("--summary", type=Path, help="only print the table of this file")
     asked = parser.parse_args()
     if asked.summary is None:
         asked.out.parent.mkdir(parents=True, exist_ok=True)
-        with asked.out.open("w") as file:
-            for number in range(asked.robots):
+        known = asked.out.read_text().splitlines() if asked.out.exists() else []
+        ended = {(row["robot"], row["arm"]) for row in map(json.loads, known)}
+        seed = asked.seed if asked.drawn else None
+        with asked.out.open("a") as file:
+            for number in range(asked.drawn or asked.robots):
                 for arm in ARMS:
-                    file.write(json.dumps(one(number, arm, asked.budget)) + "\n")
-                    file.flush()
+                    if (number, arm) not in ended:
+                        file.write(json.dumps(one(number, arm, asked.budget, seed)) + "\n")
+                        file.flush()
     path = asked.summary or asked.out
     print(summary([json.loads(line) for line in path.read_text().splitlines()]))
 
