@@ -248,3 +248,10 @@ def test_a_report_onto_a_file_is_refused_before_the_work(tmp_path: Path) -> None
     result = call("whatever.yaml", "--report", tmp_path / "report")
     assert "needs a folder" in (result.stderr or str(result.exception))
     assert (tmp_path / "report").read_text() == "mine"
+
+
+def test_a_report_named_like_a_page_is_refused_before_the_work(tmp_path: Path) -> None:
+    result = call("whatever.yaml", "--report", tmp_path / "drive.html")
+    assert result.exit_code == 2
+    assert f"Give a folder, such as {tmp_path / 'drive'}" in (result.stderr or str(result.exception))
+    assert not (tmp_path / "drive.html").exists()

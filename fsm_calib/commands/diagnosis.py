@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from fsm_calib.diagnosis.own_simulator import OwnSimulator
     from fsm_calib.recording.recording import Recording
 
+PAGES = (".html", ".htm")
+
 
 def register(app: typer.Typer) -> None:
     """Add `diagnose` to the command line."""
@@ -170,6 +172,9 @@ def _refuse_wrong_use(
     for folder in folders:
         if folder is not None and folder.exists() and not folder.is_dir():
             raise InputError("this needs a folder, it is a file", where=str(folder))
+        if folder is not None and folder.suffix in PAGES and not folder.exists():
+            cure = f"Give a folder, such as {folder.with_suffix('')}: the page is report.html in it."
+            raise InputError("this needs a folder, its name is a page's", where=str(folder), cure=cure)
 
 
 def _write_world(result: Diagnosis, world: Path | None, report: Path | None) -> None:

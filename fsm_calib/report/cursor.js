@@ -8,6 +8,7 @@ for (const drive of document.querySelectorAll("[data-track]")) {
     for (const [kind, left, top, width, height, x0, x1, y0, y1] of JSON.parse(svg.dataset.axes)) {
       const mark = document.createElementNS("http://www.w3.org/2000/svg", kind === "time" ? "path" : "circle");
       mark.setAttribute("class", "cursor-mark");
+      mark.style.display = "none";  // until somebody points
       if (kind !== "time") mark.setAttribute("r", 5);
       svg.append(mark);
       frames.push({ kind, svg, left, top, width, height, x0, x1, y0, y1, mark });
