@@ -87,7 +87,7 @@ def robot(seed: int, master: str, is_left: bool) -> dict:
             journal = [json.loads(line) for line in (out / "journal.jsonl").read_text().splitlines()[:at]]
             phase = journal[-1]["phase"]
             until(lambda: node.last_received == STOP, "the wheels stand")
-            if not is_left:
+            if phase and not is_left:  # between two phases it stands where the next begins
                 put_back(node.robot.world, journal, phase)
             again = subprocess.run(
                 command(file, master, "--resume", str(out)), capture_output=True, text=True, timeout=LONGEST
