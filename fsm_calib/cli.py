@@ -21,6 +21,7 @@ import typer
 from fsm_calib.commands.help import WholeSentences
 from fsm_calib.commands.machine import tell_checked
 from fsm_calib.commands.options import EffectsOption, MachinesOption, machinery_of
+from fsm_calib.commands.strangers import refuse_settings_of_others
 from fsm_calib.errors import LONGEST_PART, FsmCalibError, InputError, shown
 from fsm_calib.stops import Interrupted, on_stop_signals
 
@@ -61,6 +62,7 @@ class Commands(WholeSentences):
     def invoke(self, ctx: Any) -> Any:
         """Run the chosen command."""
         try:
+            refuse_settings_of_others(Path())
             return super().invoke(ctx)
         except FsmCalibError as error:
             typer.echo(f"fsm-calib: {error}", err=True)
@@ -156,6 +158,9 @@ def schema(
 for _variable in LINEAR_ALGEBRA_THREADS:
     os.environ.setdefault(_variable, "1")
 os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", LARGEST_IMAGE)
+os.environ.setdefault(
+    "NUMBA_CACHE_DIR", ""
+)  # beside its source: a working directory's file has no say, also later on
 os.environ.setdefault("OPENCV_LOG_LEVEL", "OFF")  # what is wrong with an image is said by our own sentence
 for _module in COMMAND_MODULES:
     importlib.import_module(f"fsm_calib.commands.{_module}").register(app)
