@@ -10,6 +10,8 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
+from fsm_calib.study.orphans import end_with
+
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
@@ -23,7 +25,7 @@ Task = tuple[str, int, dict[str, Any]]
 
 
 def one_run(scenario: str, task: Task) -> dict[str, Any]:
-    """Return the result of one robot, with the label and the seed of the task."""
+    """Return the result of one robot, with the label and the seed of the task; a run that was stopped has none."""
     import cv2
 
     from fsm_calib.runner.run import run_scenario
@@ -36,7 +38,14 @@ def one_run(scenario: str, task: Task) -> dict[str, Any]:
     merged = _merged(values, {"seed": seed, "output": NO_PICTURES} | changes)
     with tempfile.TemporaryDirectory() as folder:
         result = run_scenario(Scenario.model_validate(merged), Path(folder)).result
+    if result["outcome"] == "aborted":
+        raise SystemExit(f"{label}, seed {seed}: stopped by a signal")
     return {"label": label, "seed": seed, **result}
+
+
+def workers(jobs: int) -> ProcessPoolExecutor:
+    """Return processes that end soon after this one, whatever ended it."""
+    return ProcessPoolExecutor(jobs, initializer=end_with, initargs=(os.getpid(),))
 
 
 def run_all(
@@ -50,7 +59,7 @@ def run_all(
     print(
         f"{len(tasks) - len(left)} of {len(tasks)} results are kept in {path.relative_to(ROOT)}", flush=True
     )
-    with path.open("a") as file, ProcessPoolExecutor(jobs) as pool:
+    with path.open("a") as file, workers(jobs) as pool:
         for row in pool.map(one_run, [scenario] * len(left), left):
             file.write(json.dumps(row) + "\n")
             file.flush()
