@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import random
 import resource
 import signal
@@ -23,6 +25,7 @@ from fsm_calib.errors import DataError, FsmCalibError
 from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME, read_checkpoint
 
 LONGEST_LINE = 1200  # characters of a sentence
+LONGEST_WORDS = 1 << 20  # bytes that a child may say before anybody listens
 OWN_TIME = {"wall", "by_part"}
 """Figures of result.json that are the computer's and differ from run to run."""
 NOT_COMPARED = {".running", "report.html"}
@@ -185,8 +188,12 @@ def full(case: Case) -> None:
     size = int(largest ** case.rng.random())
     case.choose(scenario=name, seed=seed, bytes=size)
     file = scenario_file(case.folder, name, seed)
-    limited = command(["run", str(file), "--out", str(out)], lambda: _limit_files(size))
+    words, ear = os.pipe()  # what is said to a person goes to no disk
+    limited = command(["run", str(file), "--out", str(out)], lambda: _limit_files(size, ear))
     child = started(limited, case.folder / "log").wait()
+    os.close(ear)
+    with open(words, "rb") as said:
+        child.log.joinpath("stderr").write_bytes(said.read())
     expect_sentence(child, (0, 1, 2))
     for path in (*out.glob("result.json"), *out.glob("calibrations/*/*.yaml")):
         if yaml.safe_load(path.read_text()) is None:
@@ -198,7 +205,10 @@ def full(case: Case) -> None:
     finish(case, ["run", str(file), *(["--resume"] if begun else ["--out"]), str(out)], file, out, reference)
 
 
-def _limit_files(size: int) -> None:
+def _limit_files(size: int, ear: int) -> None:
+    """Let no file of this process grow beyond `size` bytes; its standard error goes to the descriptor `ear`."""
+    fcntl.fcntl(ear, fcntl.F_SETPIPE_SZ, LONGEST_WORDS)
+    os.dup2(ear, 2)
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
