@@ -41,8 +41,28 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("test_action_slips.py", "test_action_turning.py", "test_action_estimates.py", "test_action_wheel_runs.py",
          "test_action_wheel_drives.py", "test_action_combined_ratio.py", "test_action_tilt.py"),
     ),
-    "machines": (("machines/books.py", "machines/bookkeeping.py", "machines/guards.py"), ("test_machine_guards.py", "test_machine_transitions.py")),
-    "verdicts": (("diagnosis/verdict/decide.py", "diagnosis/verdict/posterior.py"), ("test_diagnosis_belief.py", "test_diagnosis_verdict.py")),
+    "machines": (
+        ("machines/books.py", "machines/bookkeeping.py", "machines/guards.py", "machines/limits.py", "machines/investigate_books.py"),
+        ("test_machine_guards.py", "test_machine_transitions.py", "test_machine_investigate.py", "test_machine_runtime.py"),
+    ),
+    "statechart": (
+        ("statechart/activity.py", "statechart/books.py", "statechart/compile.py", "statechart/exhaustive.py",
+         "statechart/explore.py", "statechart/from_file.py", "statechart/machinery.py", "statechart/partition.py",
+         "statechart/probe.py", "statechart/runtime.py", "statechart/spec.py", "statechart/validate.py"),
+        ("test_machine_tables.py", "test_machine_runtime.py", "test_machine_negative.py", "test_machine_partition.py",
+         "test_machine_resume.py", "test_machine_transitions.py", "test_machine_investigate.py", "test_own_machine.py"),
+    ),
+    "runner": (
+        ("runner/loop.py", "runner/session.py", "runner/record.py", "runner/hold.py", "runner/knowledge.py",
+         "runner/logged.py", "runner/parts.py", "runner/gallery.py", "runner/result.py", "runner/lane_doubt.py"),
+        ("test_runner_parts.py", "test_stops.py", "test_runner_recording.py", "test_runner_run.py", "test_lane_doubt.py"),
+    ),
+    "verdicts": (
+        ("diagnosis/verdict/decide.py", "diagnosis/verdict/posterior.py", "diagnosis/verdict/support.py",
+         "diagnosis/verdict/model.py", "diagnosis/verdict/systematic_error.py", "diagnosis/proof/gap.py",
+         "diagnosis/proof/gates.py"),
+        ("test_diagnosis_belief.py", "test_diagnosis_support.py", "test_diagnosis_verdict.py"),
+    ),
 }  # fmt: skip
 EQUAL: dict[str, str] = {
     "journal.py: leave out kept.unlink(missing_ok=True)": "only a left-over of a killed process is removed",
@@ -230,7 +250,7 @@ def judge(room: str, count: int, until: float, rng: random.Random) -> tuple[int,
     chosen = [m for m in rng.sample(found, len(found)) if m.name not in EQUAL][:count]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for part in ("fsm_calib", "tests", "benchmarks", "scenarios", "diagrams"):
+        for part in ("fsm_calib", "tests", "benchmarks", "scenarios", "diagrams", "docs"):
             shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copy(ROOT / "pyproject.toml", folder)
         for module in {mutant.module for mutant in chosen} | imported_by(tests):

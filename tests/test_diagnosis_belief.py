@@ -279,6 +279,25 @@ def test_a_sure_weaker_name_explains_a_part_and_the_stronger_is_complained_of(
     assert decision.reason.startswith("effect1 for a part of it; nearest: effect0")
 
 
+def test_each_long_part_of_an_answer_is_told_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    weigh, told = Judge._weighed, []
+    searched(monkeypatch, None)
+    ranking = [SimpleNamespace(evidence=DEFAULT_GATES.detect)]
+    fit, weighed = SimpleNamespace(values=()), support()
+    grown = SimpleNamespace(fit=fit, effects=(weighed.effect,))
+    selector = SimpleNamespace(
+        distinct=True, ranked=lambda bank, base: ranking, best_grown=lambda ranking: grown
+    )
+    monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)
+    monkeypatch.setattr(Judge, "_weighed", weigh)
+    monkeypatch.setattr(decide, "feature_groups", lambda situations: ())
+    monkeypatch.setattr(decide, "left_over", lambda engine, fit, groups: ())
+    monkeypatch.setattr(decide, "supports_of", lambda engine, selection, confidence: (weighed,))
+    monkeypatch.setattr(decide, "adequacy", lambda tests, evidence: None)
+    replace(judge(), progress=told.append)._answer()
+    assert told == ["base robot", "what is left", "how sure", "place and moment"]
+
+
 def test_the_seconds_of_a_part_are_added_up(monkeypatch: pytest.MonkeyPatch) -> None:
     clock: Iterator[float] = iter([10.0, 12.0, 20.0, 25.0])
     monkeypatch.setattr(decide, "perf_counter", lambda: next(clock))

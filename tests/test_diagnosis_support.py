@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.proof import gap
 from fsm_calib.diagnosis.proof.form_test import Contest
 from fsm_calib.diagnosis.proof.gap import Gap, block_sums, gap_between
 from fsm_calib.diagnosis.proof.heldout import noise_floor, squared_error
@@ -113,6 +115,28 @@ def test_a_gap_is_the_evidence_that_the_ranking_uses(tilted):
     engine, base, fit = tilted
     expected = 2.0 * (fit.score - base.score) - 2.0 * np.log(engine.count)
     assert gap_between(engine, fit, base).evidence == pytest.approx(expected)
+
+
+def test_a_model_has_no_gap_to_itself(tilted):
+    engine, base, _ = tilted
+    assert gap_between(engine, base, base) == Gap(0.0, 0.0)
+
+
+def test_the_spread_of_a_gap_is_that_of_a_sum_of_as_many_blocks_that_vary_alike(monkeypatch):
+    sums = {"first": np.array([4.0, 8.0, 6.0]), "second": np.array([3.0, 3.0, 3.0])}
+    monkeypatch.setattr(gap, "block_sums", lambda engine, fit: sums[fit.name])
+    first, second = (SimpleNamespace(name=name, slots=(), score=0.0) for name in sums)
+    expected = 2.0 * math.sqrt(3 * np.var([1.0, 5.0, 3.0], ddof=1))
+    assert gap_between(SimpleNamespace(count=9), first, second).spread == pytest.approx(expected)
+
+
+def test_blocks_are_seconds_since_a_recording_began(monkeypatch):
+    monkeypatch.setattr(gap, "log_density", lambda residual, log_scale, nu: residual)
+    prepared = SimpleNamespace(time=np.array([100.5, 101.0, 101.6, 103.6]), scored=np.full((4, 1), True))
+    whitener = SimpleNamespace(prepared=prepared, residual=lambda simulated: simulated, log_scale=0.0)
+    engine = SimpleNamespace(whiteners=lambda noise: (whitener,), nu=4.0)
+    fit = SimpleNamespace(noise=None, simulated=(np.array([1.0, 2.0, 4.0, 8.0]),))
+    assert block_sums(engine, fit).tolist() == [3.0, 4.0, 0.0, 8.0]
 
 
 def test_a_true_effect_is_one_law_in_all_drives(tilted):

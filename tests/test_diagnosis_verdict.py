@@ -13,7 +13,7 @@ from fsm_calib.diagnosis.candidates.scan_areas import Area, settled
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, adequacy
 from fsm_calib.diagnosis.verdict.model import Model
-from fsm_calib.diagnosis.verdict.systematic_error import with_doubt
+from fsm_calib.diagnosis.verdict.systematic_error import model_spread, with_doubt
 from fsm_calib.world2d.effects import registry
 
 SMALL = ("motor_deadband", "motor_gain_curve", "command_delay", "floor_tilt")
@@ -136,6 +136,20 @@ def test_forces_carry_the_doubt_of_the_mass():
 def test_a_slippery_spot_carries_the_doubt_of_a_slide_in_its_place():
     assert with_doubt(registry()["low_friction_patch"], "x", 0.1, 1e-12) == pytest.approx(0.06, rel=1e-3)
     assert with_doubt(registry()["misplaced_marker"], "x", 0.1, 1e-12) == pytest.approx(0.015, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameter", "doubt"),
+    [
+        ("external_push", "start", 0.05),
+        ("rough_floor_patch", "half_x", 0.015),
+        ("caster_drag", "arm", 0.0),
+        ("rough_floor_patch", "spread", 0.0),
+        ("battery_sag", "relaxation", 0.0),
+    ],
+)
+def test_doubt_of_a_frame_or_of_half_a_tyre_belongs_to_moments_and_places_alone(effect, parameter, doubt):
+    assert model_spread(registry()[effect], parameter, 0.1) == doubt
 
 
 def test_a_number_that_the_data_cannot_tell_has_no_interval():

@@ -127,7 +127,7 @@ def test_limits_that_no_run_could_keep_are_refused_by_name(name: str, value: flo
 
 
 def test_start_board_must_be_one_of_the_row() -> None:
-    with pytest.raises(InputError, match="start_board"):
+    with pytest.raises(InputError, match=r"start_board is 2 of 2.*numbered from 0 to 1"):
         Limits(boards=2, start_board=2)
 
 
