@@ -55,7 +55,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "runner": (
         ("runner/loop.py", "runner/session.py", "runner/record.py", "runner/hold.py", "runner/knowledge.py",
          "runner/logged.py", "runner/parts.py", "runner/gallery.py", "runner/result.py", "runner/lane_doubt.py"),
-        ("test_runner_parts.py", "test_stops.py", "test_runner_recording.py", "test_runner_run.py", "test_lane_doubt.py"),
+        ("test_runner_values.py", "test_runner_result.py", "test_runner_parts.py", "test_stops.py", "test_runner_recording.py", "test_runner_run.py", "test_lane_doubt.py"),
     ),
     "verdicts": (
         ("diagnosis/verdict/decide.py", "diagnosis/verdict/posterior.py", "diagnosis/verdict/support.py",
