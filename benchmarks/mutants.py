@@ -49,7 +49,7 @@ ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("statechart/activity.py", "statechart/books.py", "statechart/compile.py", "statechart/exhaustive.py",
          "statechart/explore.py", "statechart/from_file.py", "statechart/machinery.py", "statechart/partition.py",
          "statechart/probe.py", "statechart/runtime.py", "statechart/spec.py", "statechart/validate.py"),
-        ("test_machine_tables.py", "test_machine_runtime.py", "test_machine_negative.py", "test_machine_partition.py",
+        ("test_machine_tables.py", "test_machine_check.py", "test_machine_runtime.py", "test_machine_negative.py", "test_machine_partition.py",
          "test_machine_resume.py", "test_machine_transitions.py", "test_machine_investigate.py", "test_own_machine.py"),
     ),
     "runner": (
