@@ -1,4 +1,4 @@
-"""Robots with hidden effects investigate themselves: designed drives against random ones of the same manoeuvres.
+"""Robots with hidden effects investigate themselves: designed drives against random ones and passive ones.
 
     python3 benchmarks/investigate.py --out out/investigate.jsonl             # about a minute of CPU for each robot
     python3 benchmarks/investigate.py --drawn 20 --seed 1 --out out/drawn.jsonl         # robots drawn from the catalogue
@@ -15,14 +15,22 @@ from __future__ import annotations
 import argparse
 import json
 import tempfile
+import time
 from functools import partial
 from pathlib import Path
 
 import numpy as np
+from concealed.drives import MIXED, Drive
 
-from fsm_calib.diagnosis.design.designer import design, random_drive
+from fsm_calib.diagnosis.design.area import Area
+from fsm_calib.diagnosis.design.belief import Belief
+from fsm_calib.diagnosis.design.designer import Composer, NoDrive, Wishes, design, random_drive
+from fsm_calib.diagnosis.design.foresight import Foresight
+from fsm_calib.diagnosis.design.plan import Plan
+from fsm_calib.diagnosis.design.primitives import Primitive
 from fsm_calib.runner.investigation.run import investigate
 from fsm_calib.scenario.models import Scenario
+from fsm_calib.types import Pose2
 from fsm_calib.world2d.effects import registry
 
 SIZES = {"plain": 1.0, "masked": 0.5, "faint": 0.25}
@@ -39,7 +47,39 @@ HIDDEN = (
     "coulomb_friction", "gear_backlash", "battery_sag", "wheel_eccentricity", "caster_drag", "tyre_scrub", "lateral_slip",
     "payload_offset", "floor_tilt", "carpet_nap", "rough_floor_patch", "low_friction_patch", "sensor_offset", "command_delay",
 )  # fmt: skip
-ARMS = {"designed": design, "random": partial(random_drive, seconds=12.0)}
+PIECE = 12.0
+"""Least time of a random or passive drive, where there is room [s]."""
+TRIED = 12
+"""Passive manoeuvres that are tried until one stays within the bounds."""
+
+
+def passive_drive(
+    belief: Belief, area: Area, start: Pose2, rng: np.random.Generator, wishes: Wishes
+) -> Plan | NoDrive:
+    """Return a drive of a calibration's manoeuvres, as the concealed robots are driven, within the bounds."""
+    composer = Composer.at(Foresight(belief), area, wishes, start, 1.0)
+    weights, rows = np.array([weight for _, weight in MIXED]), composer.rows(rng)
+    chosen: list[Primitive] = []
+    while sum(p.duration for p in chosen) < PIECE:
+        order = rng.choice(len(MIXED), TRIED, p=weights / weights.sum())
+        options = (passive_manoeuvre(int(k), rng) for k in order)
+        option = next((p for p in options if composer.stays([*chosen, p], rows)), None)
+        if option is None:
+            break
+        chosen.append(option)
+    chosen = composer.kept_safe(chosen, rng)
+    return composer.plan(chosen, rng) if chosen else NoDrive.NO_ROOM
+
+
+def passive_manoeuvre(kind: int, rng: np.random.Generator) -> Primitive:
+    """Return one manoeuvre of the concealed robots."""
+    drive, act = Drive(), MIXED[kind][0]
+    act(drive, rng)
+    spans = np.diff([*drive.times[1:], drive.end]).tolist()
+    return Primitive(drive.states[-1], tuple(zip(spans, drive.left[1:], drive.right[1:], strict=True)))
+
+
+ARMS = {"designed": design, "random": partial(random_drive, seconds=PIECE), "passive": passive_drive}
 SAME = {"command_delay": "delay", "observation_delay": "delay"}
 
 
@@ -75,6 +115,7 @@ def robot(number: int, kind: str, names: tuple[str, ...], budget: float, seed: i
 
 
 def one(number: int, arm: str, budget: float, seed: int | None) -> dict:
+    began = time.process_time()
     kind, *names = ROBOTS[number] if seed is None else drawn(seed, number)
     with tempfile.TemporaryDirectory() as folder:
         going, result = investigate(
@@ -101,6 +142,7 @@ def one(number: int, arm: str, budget: float, seed: int | None) -> dict:
         "promises": [[d["expected"], d["reached"]] for d in result["drives"]],
         "nearest_edge_m": round(-float(out), 3),
         "wall": result["seconds"],
+        "processor_s": round(time.process_time() - began, 2),
     }
 
 
@@ -126,15 +168,20 @@ def summary(rows: list[dict]) -> str:
             told = f"{middle:.0f} s" if np.isfinite(middle) else "never"
             told = told if some[0]["truth"] else "-"
             lines.append(f"| {arm} | {kind} | {len(some)} | {sum(_right(r) for r in some)} | {told} |")
-    pairs = [
-        (a, b)
-        for a in rows
-        for b in rows
-        if a["robot"] == b["robot"] and (a["arm"], b["arm"]) == ("designed", "random") and a["truth"]
-    ]
-    ahead = sum(_cost(a) < _cost(b) for a, b in pairs)
-    level = sum(_cost(a) == _cost(b) for a, b in pairs)
-    lines.append(f"designed ahead of random on {ahead} of {len(pairs)} robots, level on {level}")
+    for other in list(ARMS)[1:]:
+        pairs = [
+            (_cost(a), _cost(b))
+            for a in rows
+            for b in rows
+            if a["robot"] == b["robot"] and (a["arm"], b["arm"]) == ("designed", other) and a["truth"]
+        ]
+        if pairs:
+            ahead, level = sum(a < b for a, b in pairs), sum(a == b for a, b in pairs)
+            middle = [float(np.median(column)) for column in zip(*pairs, strict=True)]
+            lines.append(
+                f"designed ahead of {other} on {ahead} of {len(pairs)} robots, level on {level}; "
+                f"median time to a right answer {middle[0]:.0f} s and {middle[1]:.0f} s"
+            )
     promised = [p for r in rows if r["arm"] == "designed" for p in r["promises"] if p[1] is not None]
     for low in np.arange(0.3, 1.0, 0.1):
         some = [p for p in promised if low <= p[0] < low + 0.1]
@@ -167,6 +214,8 @@ def main() -> None:
         "--drawn", type=int, default=0, help="so many drawn robots in place of the listed ones"
     )
     parser.add_argument("--seed", type=int, default=1, help="what draws them")
+    parser.add_argument("--first", type=int, default=0, help="number of the first robot")
+    parser.add_argument("--arms", nargs="+", default=list(ARMS), choices=list(ARMS))
     parser.add_argument("--summary", type=Path, help="only print the table of this file")
     asked = parser.parse_args()
     if asked.summary is None:
@@ -175,8 +224,8 @@ def main() -> None:
         ended = {(row["robot"], row["arm"]) for row in map(json.loads, known)}
         seed = asked.seed if asked.drawn else None
         with asked.out.open("a") as file:
-            for number in range(asked.drawn or asked.robots):
-                for arm in ARMS:
+            for number in range(asked.first, asked.drawn or asked.robots):
+                for arm in asked.arms:
                     if (number, arm) not in ended:
                         file.write(json.dumps(one(number, arm, asked.budget, seed)) + "\n")
                         file.flush()
