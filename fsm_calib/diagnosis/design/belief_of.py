@@ -243,9 +243,12 @@ def _doubted(decision: Decision, weighed: Sequence[Weighed]) -> Iterator[Weighed
     beside = list(further_effects(Prober(engine.simulators, fit, residual_of(engine, fit))))
     for doubt in beside:
         if frozenset((*leader.names, doubt.effect)) not in known:
-            odds = log_odds + doubt.log_odds + math.log(FURTHER / len(beside))
-            yield odds, _beside(fit, leader.names, doubt, decision.base)
-    if not any(depends_on_place(name) for name in leader.names):
+            odds = min(doubt.log_odds + math.log(FURTHER), 0.0) - math.log(
+                len(beside)
+            )  # the diagnosis saw none
+            yield log_odds + odds, _beside(fit, leader.names, doubt, decision.base)
+    placed = all(s.prepared.poses.placed for s in engine.simulators)
+    if placed and not any(depends_on_place(name) for name in leader.names):
         (x, y), only_here = shown_where(decision.bank.prober, fit.values)
         yield log_odds + math.log(ONLY_HERE) + only_here, replace(leader, spot=(float(x), float(y), SPOT))
 

@@ -1,7 +1,7 @@
 r"""What data leave open beside an explanation: further effects of a size that matters, and that it holds only here.
 
-A further effect is simulated at sizes s (shares of its typical size, both signs where it has both). Its columns x(s),
-whitened and without what the fitted numbers could take over, win
+A further effect is simulated at sizes s (shares of the size that its fits begin at, both signs where it has both).
+Its columns x(s), whitened and without what the fitted numbers could take over, win
 
     ln L(s) = x' r - x' x / 2,      odds = mean over s of exp(ln L(s) / TEMPER)
 
@@ -31,7 +31,7 @@ from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
 TEMPER = 3.0  # evidence is divided by it: likelihoods of inexact equations are over-confident by so much
-SIZES = (0.2, 0.4, 0.7, 1.0)  # of the typical size: a smaller one changes no drive by more than its noise
+SIZES = (0.2, 0.4, 0.7, 1.0)  # of the usual size: a smaller one changes no drive by more than its noise
 SIZE_SPREAD = 0.3  # of a size: they lie so far apart
 NO_POWER = 1e-9  # whitened and squared: the drives are the same
 SPOT = 0.3  # m: radius of a spot on the floor, the wheels at half an axle beside the middle
