@@ -15,6 +15,7 @@ from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, adequacy
 from fsm_calib.diagnosis.verdict.model import Model
 from fsm_calib.diagnosis.verdict.systematic_error import model_spread, with_doubt
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
 
 SMALL = ("motor_deadband", "motor_gain_curve", "command_delay", "floor_tilt")
 OTHERS = tuple(name for name in registry() if name not in SMALL)
@@ -69,6 +70,21 @@ def test_its_sentence_tells_each_recordings_push(pushed_twice):
     text = pushed_twice.verdict.effects[0].sentence
     assert "Recording 1: At 15" in text
     assert "Recording 2: At 22" in text
+
+
+def test_a_kick_that_no_regime_shows_is_found_beside_what_every_regime_shows():
+    kick = {"external_push__impulse_turn": 0.018, "external_push__start": 21.0}
+    decision = judged(["coulomb_friction", "external_push"], coulomb_friction__friction=0.006, **kick)
+    assert {belief.name for belief in decision.named} == {"coulomb_friction", "external_push"}
+
+
+def test_a_clock_whose_rate_changes_is_told_from_one_that_is_off_by_as_much_all_the_time():
+    drifting = {"clock_drift__drift": 0.001, "clock_drift__change": 2e-4}
+    [belief] = judged(["clock_drift", "observation_delay"], **drifting).named
+    assert belief.effect.hypothesis.closure == "changing rate"
+    place = parameter_table().place("clock_drift.change")
+    [(change, variance)] = [(x, v) for slot, x, v in belief.effect.fit.numbers() if slot.place == place]
+    assert change == pytest.approx(2e-4, abs=3 * variance**0.5)
 
 
 def test_a_plain_robot_is_a_match():
