@@ -43,6 +43,12 @@ def test_small_robots_keep_every_declared_bound():
     assert all(scale.bounds(p) == (p.low, p.high) for p in parameter_table().entries)
 
 
+@pytest.mark.parametrize(("facts", "arm"), [(DUCKIEBOT, 0.075), (HALF_TONNE, 0.66)])
+def test_a_caster_is_taken_to_sit_as_far_behind_as_the_robot_is_wide(drive, facts, arm):
+    values = nominal_values([simulator_of(drive, facts)])
+    assert values[parameter_table().place("caster_drag.arm")] == pytest.approx(arm)
+
+
 @pytest.mark.parametrize(
     ("name", "factor"),
     [

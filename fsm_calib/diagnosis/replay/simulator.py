@@ -237,7 +237,10 @@ def nominal_values(simulators: Sequence[Simulator]) -> FloatArray:
     for side in ("left", "right"):
         values[table.place(f"gain_{side}")] = simulators[0].full_speed
         values[table.place(f"wheel_radius_{side}")] = robot.wheel_radius or NOMINAL_RADIUS
-    values[table.place("axle_length")] = robot.axle_length or NOMINAL_AXLE
+    axle = robot.axle_length or NOMINAL_AXLE
+    values[table.place("axle_length")] = axle
+    for place, entry in enumerate(table.entries):
+        values[place] = max(values[place], entry.of_axle * axle) if entry.of_axle else values[place]
     values[table.place("wheel_inertia")] *= (
         max(1.0, (robot.wheel_radius or NOMINAL_RADIUS) / SMALL_RADIUS) ** 2
     )

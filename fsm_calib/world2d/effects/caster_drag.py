@@ -5,11 +5,11 @@ r"""The caster drags, and kicks when it swivels.
     d psi / dt = (n . v_p) / trail - omega
 
 v_p [m/s] velocity of the caster's pivot, `arm` [m] behind the axle; psi [rad] direction of the caster's wheel
-in `base` (0: straight ahead), n the unit vector across it, trail [m] distance of its wheel behind the pivot,
-drag and kick [N]. A ball caster only drags; a swivelling one stands on the wrong side of its pivot after a
-reversal and turns over within a few trail lengths of travel, pushing sideways. Below the creep speed the drag
-is a stiff damper. Sources: dry friction of a ball caster; trailing wheel after Chung & Iagnemma, in Springer
-Handbook of Robotics, 2nd ed. 2016, section 24.1; Duckietown URDF for the arm (0.083 m, 0.085 m on newer
+in `base` (0: straight ahead), n the unit vector across it, trail [m] distance of its wheel behind the pivot (a
+share of the arm), drag and kick [N]. A ball caster only drags; a swivelling one stands on the wrong side of its
+pivot after a reversal and turns over within a few trail lengths of travel, pushing sideways. Below the creep speed
+the drag is a stiff damper. Sources: dry friction of a ball caster; trailing wheel after Chung & Iagnemma, in
+Springer Handbook of Robotics, 2nd ed. 2016, section 24.1; Duckietown URDF for the arm (0.083 m, 0.085 m on newer
 robots).
 """
 
@@ -27,8 +27,9 @@ SWIVEL_SPEED = 0.02
 """Speed across the caster at which its kick has 1/sqrt(2) of its size [m/s] (assumed)."""
 LEVER = 0.5
 """Part of the robot's mass that the caster feels, at least (assumed)."""
-TRAIL = 0.02
-"""Distance of the caster's wheel behind its pivot [m] (assumed; typical of 25 mm furniture casters)."""
+TRAIL = 0.02 / 0.075
+"""Distance of the caster's wheel behind its pivot over the arm [1] (assumed: 2 cm, as 25 mm furniture casters have it,
+on a Duckiebot)."""
 
 
 @njit(error_model="numpy")
@@ -49,7 +50,7 @@ def drag_and_swivel(P, o, S, m, W):
         kick = P[o + 1] / math.sqrt(across * across + SWIVEL_SPEED * SWIVEL_SPEED)
         add_oblique_damper(W, -arm, 0.0, -s, c, kick)
     if speed2 > 0.0:
-        S[m] = turn_towards(S[m], math.atan2(vy, vx), speed * W[STEP] / TRAIL, S[OMEGA] * W[STEP])
+        S[m] = turn_towards(S[m], math.atan2(vy, vx), speed * W[STEP] / (TRAIL * arm), S[OMEGA] * W[STEP])
 
 
 @njit(error_model="numpy")
@@ -90,10 +91,11 @@ EFFECT = Effect(
             "m",
             0.075,
             0.02,
-            0.15,
+            0.3,
             0.075,
-            "0.07 to 0.085 on Duckiebots, 0.13 on a Create",
+            "0.07 to 0.085 on Duckiebots, 0.13 on a Create, 0.2 on a Pioneer: half to 0.6 of the axle",
             strength=False,
+            of_axle=0.55,
         ),
     ),
     hooks={"step": drag_and_swivel},

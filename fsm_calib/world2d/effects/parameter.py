@@ -44,6 +44,9 @@ class Parameter:
     doubt : float
         By how much the equation itself may be off, where it is not what the unit lets expect: a share of a strength,
         in `unit` of a place.
+    of_axle : float
+        The share [1] of the axle's length that the null value is at least: a length of the chassis that no manifest
+        states and that a larger robot has larger.
     prior : float
         Standard deviation of a normal prior about the null value, in `unit`; 0 for none: the bounds alone.
     least : float
@@ -68,6 +71,7 @@ class Parameter:
     natural_end: bool = False
     doubt: float = 0.0
     least: float = 0.0
+    of_axle: float = 0.0
     prior: float = 0.0
 
     @property
