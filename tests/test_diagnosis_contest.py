@@ -70,6 +70,14 @@ def test_a_neighbour_of_the_truth_loses():
     assert "the command's size" in found.instead_quantities + found.beside_quantities
 
 
+@pytest.mark.parametrize(("delay", "has_a_form"), [(0.0015, False), (0.03, True)])
+def test_late_by_a_millisecond_is_no_form_and_late_by_thirty_is(delay, has_a_form):
+    drives = [recording(seed, noise=0.1, observation_delay__delay=delay) for seed in (0, 1)]
+    engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
+    left = Remainder.of(engine, fit_base(engine))
+    assert (left.beside > 0.0) == has_a_form
+
+
 def test_play_in_the_gears_is_no_delay():
     engine, base, fit = fitted("command_delay", gear_backlash__gap=0.2)
     found = contest(Remainder.of(engine, fit), base, ["command_delay"])

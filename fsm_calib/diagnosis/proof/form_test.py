@@ -13,7 +13,9 @@ Biometrika 95 (2008) 759); the first form pays for no choice, as the names pay n
 Assumes that forms act linearly, which favours the name: its own equation is simulated in full. The base robot is
 re-fitted in full, too: beside the wheels' cross-talk, or where a place makes it slide, it ends far from where the
 named model has it, and what is linearised there misjudges the forms by hundreds. Poses that jump where the robot
-crosses the edge of a disc (`scan_markers.py`) count as one more form beside the name.
+crosses the edge of a disc (`scan_markers.py`) count as one more form beside the name. What is late by a millisecond is
+no form: tyres and motors lag by as much more or less than the base's equations say (`LEAST_DELAY`), so that both
+models may be late by a little, forward and turning.
 """
 
 from __future__ import annotations
@@ -28,15 +30,19 @@ from fsm_calib.diagnosis.candidates.ranking import evidence_of
 from fsm_calib.diagnosis.candidates.scan_markers import jump_evidence
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.likelihood.robust import log_kernel, robust_weights
+from fsm_calib.diagnosis.replay.situation import situations_of
+from fsm_calib.diagnosis.shapes.features import late_columns
 from fsm_calib.diagnosis.shapes.forms import forms
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects.effect import LEAST_DELAY
 
 JUMPS = "the pose's jumps at a place"
 MOST_INSTEAD = 5  # forms that may stand in for an effect
 MOST_BESIDE = 3
 REFIT_STEPS = 8  # of the base robot at the named model's noise
 SWEEPS = 3  # of reweighted least squares
+LATE = 0.5 * LEAST_DELAY  # s, standard deviation of what the base is late by beyond its own lags
 NEW = 0.02  # of a column's length that the columns before it must leave
 
 
@@ -150,8 +156,7 @@ def contest(remainder: Remainder, parent: Fit, effects: Sequence[str]) -> Contes
         bare, pool = _linearised(engine, refitted)
     extra = len(fit.slots) - len(parent.slots)
     log_n, choice = _costs(engine, remainder.pool)
-    score = float(log_kernel(named.residual, named.nu)) - 0.5 * _prior(named)
-    target = 2.0 * score - extra * log_n
+    target = 2.0 * named.solved()[2] - extra * log_n
     begun, path = _climb(bare, pool, MOST_INSTEAD)
     instead = [
         2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
@@ -175,21 +180,18 @@ def _costs(engine: Engine, pool: Pool) -> tuple[float, float]:
 def _linearised(engine: Engine, fit: Fit) -> tuple[Linear, Pool]:
     """Return a fitted model and the forms, both linearised where it is."""
     whiteners = engine.whiteners(fit.noise)
+    late = [late_columns(s) for s in situations_of(engine.simulators, fit.values)]
+    numbers = [engine.white_columns(whiteners, columns) for columns in (fit.columns, late)]
     model = Linear(
         engine.residual(whiteners, fit.simulated),
-        engine.white_columns(whiteners, fit.columns),
-        fit.slot_values() - np.array([s.centre for s in fit.slots]),
-        np.array([s.spread for s in fit.slots]),
+        np.hstack(numbers),
+        np.append(fit.slot_values() - np.array([s.centre for s in fit.slots]), np.zeros(numbers[1].shape[1])),
+        np.append([s.spread for s in fit.slots], np.full(numbers[1].shape[1], LATE)),
         engine.nu,
     )
     return model, _pool(
         [(f.quantity, engine.white_columns(whiteners, f.columns)) for f in forms(engine, fit)]
     )
-
-
-def _prior(model: Linear) -> float:
-    has = model.spread > 0.0
-    return float(np.sum((model.offset[has] / model.spread[has]) ** 2))
 
 
 def _pool(blocks: Sequence[tuple[str, FloatArray]]) -> Pool:

@@ -87,6 +87,12 @@ def body_columns(s: Situation, **speeds: FloatArray) -> FloatArray:
     return out
 
 
+def late_columns(s: Situation) -> FloatArray:
+    """Return increments (n, 5, 2) of being a second late, forward and turning: speed errors by acceleration."""
+    forward, turn = s.acceleration[:, None], s.spin[:, None]
+    return np.concatenate([body_columns(s, forward=forward), body_columns(s, turn=turn)], axis=2)
+
+
 Maker = Callable[[Situation], FloatArray]
 Channelled = Callable[[FloatArray, Situation], FloatArray]
 
