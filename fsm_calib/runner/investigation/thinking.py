@@ -105,7 +105,7 @@ class Mind:
         """Compare sureness and what was spent with what was asked for."""
         asked, findings, belief = bench.asked, bench.findings, self._believed(bench)
         sure = belief is not None and self._is_sure(belief, asked.sure)
-        names = list(belief.leader.names) if belief is not None else []
+        names = sorted(belief.leader.names) if belief is not None else []
         findings.streak = findings.streak + 1 if sure and names == findings.names else int(sure)
         findings.names = names
         time_left = asked.budget - findings.spent >= SHORTEST_TIME and findings.distance < asked.distance
