@@ -224,6 +224,28 @@ def test_a_phase_begins_with_the_state_the_books_and_what_the_bench_holds() -> N
     assert loop.begun_of(run) == {"state": "between", "books": {"ticks": 3}, "bench": {"k": 1.0}}  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(("dest", "begun"), [("scan/turning", "earlier"), ("between", "now")])
+def test_a_real_robot_s_checkpoint_holds_the_beginning_of_its_phase(
+    monkeypatch: pytest.MonkeyPatch, dest: str, begun: str
+) -> None:
+    monkeypatch.setattr(loop, "event_record", lambda *given: {})
+    monkeypatch.setattr(loop, "begun_of", lambda run: {"state": "now"})
+    kept: list[dict] = []
+    journal = SimpleNamespace(
+        append=lambda line: None, checkpoint=lambda state, durable: kept.append(state | {"durable": durable})
+    )
+    run = SimpleNamespace(
+        heading={}, sequence=3, begun={"state": "earlier"}, journal=journal, gallery=Gallery(Path(), 0),
+        machine=SimpleNamespace(state=dest, books=SimpleNamespace(to_dict=dict)),
+        robot=SimpleNamespace(now=lambda: 1.0, frames=2),
+        bench=SimpleNamespace(to_state=dict, seen_frames=2),
+    )  # fmt: skip
+    loop.record(run, "look", ABORT, SimpleNamespace(source="scan/a", dest=dest))  # type: ignore[arg-type]
+    (state,) = kept
+    assert (state["begun"], run.begun) == ({"state": begun}, {"state": begun})
+    assert (state["sequence"], state["durable"]) == (4, dest == "between")
+
+
 def test_a_lost_robot_ends_its_run_by_name_with_reason_and_cure() -> None:
     outcome = loop.lost_outcome(RobotLost("no answer", cure="Charge it."))
     assert (outcome.trigger, outcome.evidence) == ("abort", {"lost": "RobotLost"})
