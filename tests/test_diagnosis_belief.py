@@ -41,7 +41,9 @@ def support(
     """A support of an effect, with the gaps in evidence to its rivals and what un-named forms do."""
     gaps = tuple(RivalGap(n, Gap(gap, 0.0), None) for n, gap in (rivals or {}).items())  # type: ignore[arg-type]
     effect, law = SimpleNamespace(name=name), SimpleNamespace(moved=moved)
-    return Support(effect, None, Gap(added, 0.0), gaps, law, SimpleNamespace(**(FORMS | forms)))  # type: ignore[arg-type]
+    said = FORMS | forms
+    contest = SimpleNamespace(stand_in=said["instead"], **said)
+    return Support(effect, None, Gap(added, 0.0), gaps, law, contest)  # type: ignore[arg-type]
 
 
 def odds(probability: float) -> float:

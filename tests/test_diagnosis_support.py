@@ -13,16 +13,18 @@ from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof import gap
-from fsm_calib.diagnosis.proof.form_test import Contest
+from fsm_calib.diagnosis.proof.form_test import Contest, Remainder, contest
 from fsm_calib.diagnosis.proof.gap import Gap, block_sums, gap_between
 from fsm_calib.diagnosis.proof.heldout import noise_floor, squared_error
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict import cross_examined
 from fsm_calib.diagnosis.verdict.posterior import belief_of, shape_probability
 from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.diagnosis.verdict.support import RivalGap, Support
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameters
 
 PAIR = {"floor_tilt__slope_x": 0.03, "floor_tilt__slope_y": -0.02, "motor_deadband__offset": 0.04}
 CATALOGUE = ("floor_tilt", "motor_deadband", "command_delay", "motor_gain_curve")
@@ -32,10 +34,10 @@ def engine_of(*recordings):
     return Engine(tuple(make_simulator(prepare(r)) for r in recordings))
 
 
-def support(rivals=(), moved=0.0, instead=-100.0, beside=-10.0, added=400.0):
+def support(rivals=(), moved=0.0, instead=-100.0, beside=-10.0, added=400.0, stand_in=None):
     effect = Ranked(Hypothesis("floor_tilt", ("slope_x",)), None, added, 0.5 * added)
     gaps = tuple(RivalGap(name, Gap(evidence, 20.0), None) for name, evidence in rivals)
-    forms = Contest(instead, (), beside, (), added)
+    forms = Contest(instead, (), beside, (), instead if stand_in is None else stand_in, added)
     return Support(effect, None, Gap(added, 30.0), gaps, OneLaw(moved, ()), forms)
 
 
@@ -89,6 +91,21 @@ def test_a_remainder_that_could_not_do_the_names_job_is_not_held_against_it():
     unlike, alike = support(beside=300.0, instead=-500.0), support(beside=300.0, instead=250.0)
     assert shape_probability(unlike) == pytest.approx(shape_probability(support()))
     assert shape_probability(alike) < 0.5
+
+
+def test_forms_that_could_do_the_names_job_but_explain_nothing_that_is_left_are_not_held_against_it():
+    other_kind = support(beside=300.0, instead=0.0, stand_in=-400.0)
+    assert shape_probability(other_kind) > 2.0 * shape_probability(support(beside=300.0, instead=0.0))
+
+
+def test_what_stands_in_for_a_name_is_of_the_quantities_that_are_left(tilted):
+    engine, base, fit = tilted
+    left = replace(Remainder.of(engine, fit), beside=50.0)
+    late, place = (
+        contest(replace(left, quantities=(quantity,)), base, ["floor_tilt"])
+        for quantity in ("how late it arrives", "the place")
+    )
+    assert late.stand_in < place.stand_in <= place.instead
 
 
 def test_an_event_may_be_what_shows_most_of_any_remainder():
@@ -173,3 +190,27 @@ def test_an_effect_that_another_makes_needless_goes(tilted):
     (both,) = [r for r in Bank.on(engine, nap.fit).rank([registry()["floor_tilt"]])]
     kept = selector._pruned((nap, replace(tilt, fit=both.fit)), both.fit, ((nap,),), 14.0)
     assert [e.name for e in kept.effects] == ["floor_tilt"]
+
+
+def test_the_nearest_neighbour_of_an_effect_is_asked_whatever_it_had_alone(monkeypatch):
+    asked = []
+
+    def fit(hypothesis, start):
+        asked.append(hypothesis.effect)
+        return ranked(hypothesis.effect, 5.0)
+
+    def ranked(name, evidence):
+        values = np.array([parameters()])
+        return Ranked(Hypothesis(name, ()), SimpleNamespace(values=values, score=0.0), evidence, evidence)
+
+    bank = SimpleNamespace(fit=fit, best_of=lambda effect: None)
+    monkeypatch.setattr(cross_examined.Bank, "on", lambda engine, fit: bank)
+    nap, slope = ranked("carpet_nap", 100.0), ranked("floor_tilt", 1.0)
+    others = tuple(ranked(name, 60.0) for name in ("motor_deadband", "gear_backlash", "tyre_scrub"))
+    faint = ranked("payload_offset", 2.0)
+    selection = SimpleNamespace(
+        effects=(nap, ranked("sensor_yaw", 80.0)), rankings=((nap, *others), (slope, faint)), fit=nap.fit
+    )
+    cross_examined._in_its_place(None, selection, nap, nap.fit)
+    assert asked[0] == "floor_tilt"
+    assert "payload_offset" not in asked

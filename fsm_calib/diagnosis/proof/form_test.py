@@ -50,7 +50,8 @@ NEW = 0.02  # of a column's length that the columns before it must leave
 class Contest:
     """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
 
-    explained : evidence of the name over the base robot; loose : no exact equation can be had (a place, a moment, a
+    stand_in : of the forms that are beside it, those alone instead of it; explained : evidence of the name over the
+    base robot; loose : no exact equation can be had (a place, a moment, a
     robot that turns velocities into wheel commands by a controller of its own).
     """
 
@@ -58,6 +59,7 @@ class Contest:
     instead_quantities: tuple[str, ...]
     beside: float
     beside_quantities: tuple[str, ...]
+    stand_in: float
     explained: float
     loose: bool = False
 
@@ -72,6 +74,11 @@ class Pool:
 
     columns: FloatArray
     quantities: tuple[str, ...]
+
+    def of(self, quantities: Sequence[str]) -> Pool:
+        """Return the columns that depend on some quantities."""
+        kept = [i for i, quantity in enumerate(self.quantities) if quantity in quantities]
+        return Pool(self.columns[:, kept], tuple(self.quantities[i] for i in kept))
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,16 +164,26 @@ def contest(remainder: Remainder, parent: Fit, effects: Sequence[str]) -> Contes
     extra = len(fit.slots) - len(parent.slots)
     log_n, choice = _costs(engine, remainder.pool)
     target = 2.0 * named.solved()[2] - extra * log_n
-    begun, path = _climb(bare, pool, MOST_INSTEAD)
-    instead = [
-        2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
-    ]
+
+    def in_its_place(pool: Pool) -> tuple[float, tuple[str, ...]]:
+        begun, path = _climb(bare, pool, MOST_INSTEAD)
+        evidence = [
+            2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
+        ]
+        return _best(evidence, path, pool)
+
+    beside, quantities = remainder.beside_of(effects)
+    instead, instead_quantities = in_its_place(pool)
+    same = pool.of(quantities)
     loose = any(registry()[name].scan for name in effects) or any(
         s.prepared.recording.command is None for s in engine.simulators
     )
     return Contest(
-        *_best(instead, path, pool),
-        *remainder.beside_of(effects),
+        instead,
+        instead_quantities,
+        beside,
+        quantities,
+        in_its_place(same)[0] if same.quantities else instead,
         evidence_of(fit, parent, engine.count),
         loose,
     )

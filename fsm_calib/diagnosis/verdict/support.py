@@ -58,13 +58,13 @@ class Support:
 
     @property
     def interchangeable(self) -> float:
-        """How much of the effect's own job un-named forms could do, 0 to 1.
+        """How much of the effect's own job the forms that explain what is left could do, 0 to 1.
 
         What is left is held against a name as far as the forms that explain it could stand for the name: a remainder
         of another kind says that something is missing, not that this name is wrong. An event is no job: whatever is
         missing may show most in one second.
         """
-        share = 1.0 + self.forms.instead / max(self.added.evidence, 1.0)
+        share = 1.0 + self.forms.stand_in / max(self.added.evidence, 1.0)
         return 1.0 if is_event(registry()[self.name]) else min(max(share, 0.0), 1.0)
 
     @property
