@@ -35,6 +35,7 @@ DEPARTURE_NAMES = {
 # of their load (`robots.py`); in the plane tyres that yield sideways (four to nine times their load for a unit of slip); in
 # MuJoCo cylinders that stand on a line, which resists a pivoting robot, and contacts that creep sideways (soft constraints)
 BUILT_IN = {"": {"coulomb_friction"}, "planar": {"lateral_slip"}, "mujoco": {"tyre_scrub", "lateral_slip"}}
+CART = 15.0  # kg: Drake's robots above it stand on a swivelling fork, which turns over after every reversal and pushes
 # sizes that mean the same in any engine: (label, laws) -> size in the key, unit of the parameter
 SIZES: dict[str, tuple[set[str], str, str]] = {
     "command_delay": ({"constant"}, "delay_s", "s"),
@@ -72,8 +73,9 @@ def departures_of(key: dict[str, Any]) -> set[str]:
 
 
 def built_in(key: dict[str, Any]) -> set[str]:
-    """Return the names of what every robot of the engine has."""
-    return BUILT_IN[""] | BUILT_IN.get(key["engine"], set())
+    """Return the names of what every robot of the engine has, or of its kind there."""
+    on_a_fork = key["engine"] == "drake" and key["robot"]["mass"] > CART
+    return BUILT_IN[""] | BUILT_IN.get(key["engine"], set()) | ({"caster_drag"} if on_a_fork else set())
 
 
 def wrong_names(
