@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording, robot
 
-from fsm_calib.diagnosis.candidates.hypotheses import catalogue
 from fsm_calib.diagnosis.design.area import Area, Disc
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
@@ -206,35 +205,6 @@ def test_named_effect_leads_the_belief():
     found = belief_of(diagnose([recording(0, 12.0, motor_deadband__offset=0.05)]).decision)
     assert found.leader.names == ("motor_deadband",)
     assert found.sureness > 0.9
-
-
-def test_prior_leaves_no_effect_of_the_catalogue_out():
-    wanted = {e.name for e in catalogue() if e.input in ("any", "command") and not e.scan}
-    assert {name for h in prior_belief().hypotheses for name in h.names} == wanted
-
-
-def test_named_effect_may_have_another_beside_it_that_these_drives_could_not_show():
-    found = belief_of(diagnose([recording(0, 12.0, motor_deadband__offset=0.05)]).decision)
-    beside = [h for h in found.hypotheses if len(h.names) == 2 and h.names[0] == "motor_deadband"]
-    assert beside
-    assert 0.0 < sum(h.probability for h in beside) < 0.15
-
-
-def test_what_holds_only_in_a_spot_changes_nothing_outside_it():
-    everywhere = hypothesis(0.5, motor_deadband__offset=0.04)
-    here = replace(everywhere, spot=(0.0, 0.0, 0.3))
-    foresight = Foresight(belief(everywhere, here, hypothesis(0.2)))
-    straight = ((2.0, 0.3, 0.3), (0.6, 0.0, 0.0))
-    apart = [distances(foresight.gram(straight, np.array([x, 0.0, 0.0])), foresight.columns,
-                       Pairs.of(foresight.columns)) for x in (0.6, -0.15)]  # fmt: skip
-    assert apart[0][1, 2] < 1e-6 < apart[1][1, 2]
-    assert apart[0][0, 1] > 1.0
-
-
-def test_drive_leaves_the_spot_in_which_an_effect_was_found():
-    everywhere = hypothesis(0.9, motor_deadband__offset=0.04)
-    plan = planned(belief(everywhere, replace(everywhere, probability=0.1, spot=(0.0, 0.0, 0.3))))
-    assert np.max(np.hypot(plan.path[:, 0], plan.path[:, 1])) > 0.3
 
 
 def test_robot_that_looks_for_itself_keeps_markers_in_sight():

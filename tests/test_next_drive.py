@@ -27,8 +27,8 @@ PLAN = Plan(
     start=Pose2(),
     forecast=Forecast(0.55, 0.97, 0.6, 0.7),
     outlooks=(
-        Outlook(("tyre_scrub",), "tyre_scrub", 0.55, 0.98, Pose2(0.2, 0.0, 0.0), ""),
-        Outlook((), "nothing is missing", 0.45, 0.96, Pose2(0.3, -0.1, -1.0), "tyre_scrub"),
+        Outlook(("tyre_scrub",), 0.55, 0.98, Pose2(0.2, 0.0, 0.0), ""),
+        Outlook((), 0.45, 0.96, Pose2(0.3, -0.1, -1.0), "tyre_scrub"),
     ),
     path=np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.2, 0.0, 0.0]]),
 )

@@ -14,7 +14,6 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 NOTHING = "nothing is missing"
-HERE = ", but only here"
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +22,6 @@ class Hypothesis:
 
     probability : before the drive. values : (p,) parameters of the roll-out. places : (m,) which of them are not
     known exactly, those of the base robot first; covariance : (m, m) of them; steps : (m,) finite differences.
-    spot : the disc x, y, radius [m] outside which nothing is missing; None where the explanation holds everywhere.
     """
 
     names: tuple[str, ...]
@@ -32,17 +30,16 @@ class Hypothesis:
     places: tuple[int, ...]
     covariance: FloatArray
     steps: FloatArray
-    spot: tuple[float, float, float] | None = None
 
     @property
     def label(self) -> str:
         """The names as one text."""
-        return (" + ".join(self.names) or NOTHING) + (HERE if self.spot else "")
+        return " + ".join(self.names) or NOTHING
 
     @property
     def needs_place(self) -> bool:
         """Whether it acts differently at another place or heading."""
-        return self.spot is not None or any(depends_on_place(name) for name in self.names)
+        return any(depends_on_place(name) for name in self.names)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,15 +1,8 @@
 """From a diagnosis to a belief: the one place where the designer looks into a decision.
 
-Probabilities are the diagnosis' own: exp(evidence / 2 TEMPER) among fitted explanations. A further effect may still
-hide beside the likeliest, and what was found may hold only where it was driven (`doubts`). Before anything was driven
-one effect of the catalogue is as likely as none; a second one beside the first is `FURTHER` times as likely as none.
-Where nothing was detected, an effect that fitted a little of the noise is believed in by how likely it has a size that
-matters, Laplace's approximation with sizes of both signs alike before,
-
-    odds = exp(gain / TEMPER) min(1, sqrt(2 pi TEMPER) sd / 2) P(|size| > SIZES[0])
-
-gain [nat] of the fit, size and its sd as shares of the typical size. Events happen once; in a new drive they change
-nothing.
+Probabilities are the diagnosis' own: exp(evidence / 2 TEMPER) among fitted explanations. An effect that found nothing
+to explain may still hide: it is believed in at the size that would have stayed unseen, and never below the share of
+its typical size that matters. Events happen once; in a new drive they change nothing.
 """
 
 from __future__ import annotations
@@ -25,29 +18,31 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     declared_starts,
     hypotheses_of,
     is_event,
+    scaled,
 )
 from fsm_calib.diagnosis.candidates.ranking import evidence_of
-from fsm_calib.diagnosis.candidates.starts import Prober
-from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, depends_on_place, kept
-from fsm_calib.diagnosis.design.doubts import SIZES, SPOT, TEMPER, Doubt, further_effects, shown_where
+from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
 from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
-from fsm_calib.diagnosis.shapes.score_tests import residual_of
 from fsm_calib.diagnosis.verdict.decide import Decision
+from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
 from fsm_calib.diagnosis.verdict.systematic_error import model_spread
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import NUISANCE, parameter_table
 
+TEMPER = (
+    3.0  # evidence gaps are divided by it: likelihoods of inexact equations are over-confident by so much
+)
 GENERAL_DOUBT = 0.02  # share of names that are wrong for no visible reason
-MOST = 20  # explanations that are kept: those behind have a thousandth of the doubt
-FURTHER = 0.15  # odds of a second effect beside the one that was found
-ONLY_HERE = 0.06  # odds that what was found is the floor's, where all of it was found in one spot
+MOST = 14  # explanations that are kept: those behind have a thousandth of the doubt
+MATTERS = 0.2  # of an effect's typical size: a smaller one changes no drive by more than its noise
 LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
 PRIOR_SPREAD = 0.4  # of a typical size, before anything was driven
 UNNAMED = 0.5  # probability that no name is right, where the diagnosis gives none
@@ -60,14 +55,12 @@ Weighed = tuple[float, Hypothesis]
 """Log odds against nothing at all, and the explanation."""
 
 
-def belief_of(decision: Decision, most: int = MOST) -> Belief:
+def belief_of(decision: Decision, gates: Gates = DEFAULT_GATES, most: int = MOST) -> Belief:
     """Return what a decision leaves us to believe of the next drive."""
     base, simulator = decision.base, decision.engine.simulators[0]
+    weighed = [(0.0, _nothing(base)), *_singles(decision), *_pairs(decision)]
     if decision.outcome == "match":
-        weighed = [(0.0, _nothing(base)), *_unnoticed(decision)]
-    else:
-        weighed = [(0.0, _nothing(base)), *_singles(decision), *_pairs(decision)]
-        weighed += _doubted(decision, weighed)
+        weighed += _hidden(decision, gates)
     top = max(log_odds for log_odds, _ in weighed)
     hypotheses = kept([replace(h, probability=math.exp(log_odds - top)) for log_odds, h in weighed], most)
     total = sum(h.probability for h in hypotheses)
@@ -88,7 +81,7 @@ def prior_belief(
     noise: Noise | None = None,
     robot: RobotFacts | None = None,
     frame_rate: float = 15.0,
-    most: int = 30,
+    most: int = 18,
 ) -> Belief:
     """Return what is believed of a robot that has not been driven: nothing missing, or one effect of typical size."""
     facts = robot or RobotFacts(wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=NOMINAL_WHEEL_RATE)
@@ -116,6 +109,36 @@ def prior_belief(
     return Belief(
         kept(hypotheses, most), len(slots), plain, noise or Noise(), facts, frame_rate, full, GENERAL_DOUBT
     )
+
+
+def with_doubts(belief: Belief, share: float = 0.2, most: int = MOST + 6) -> Belief:
+    """Return a belief that also holds a further effect of half its typical size beside the likeliest explanation.
+
+    share : probability that there is one. A drive designed for it would show what has not been looked for yet.
+    """
+    leader, more = belief.leader, []
+    known = {h.names for h in belief.hypotheses}
+    effects = [
+        e
+        for e in catalogue()
+        if e.input in ("any", "command") and e.scan == "" and (*leader.names, e.name) not in known
+    ]
+    for effect in effects:
+        if effect.name in leader.names:
+            continue
+        start = declared_starts(next(hypotheses_of(effect, 1)))[0]
+        values = with_values(leader.values[None], scaled(effect, start, 0.5))[0]
+        own, sizes = _own_slots(effect, values)
+        size = len(leader.places)
+        covariance = np.zeros((size + len(own),) * 2)
+        covariance[:size, :size] = leader.covariance
+        covariance[range(size, len(covariance)), range(size, len(covariance))] = (0.5 * sizes) ** 2
+        places = (*leader.places, *(s.place for s in own))
+        steps = np.concatenate([leader.steps, _steps(own)])
+        probability = share / len(effects)
+        more.append(Hypothesis((*leader.names, effect.name), probability, values, places, covariance, steps))
+    kept_before = [replace(h, probability=(1.0 - share) * h.probability) for h in belief.hypotheses]
+    return replace(belief, hypotheses=kept([*kept_before, *more], most))
 
 
 def _own_slots(effect: Effect, values: FloatArray) -> tuple[list[Slot], FloatArray]:
@@ -194,85 +217,28 @@ def _spread(fit: Fit, slots: Sequence[Slot], names: tuple[str, ...]) -> FloatArr
     return np.asarray(0.5 * (covariance + covariance.T))
 
 
-def _unnoticed(decision: Decision) -> Iterator[Weighed]:
-    """Yield the effects that a match may have all the same, together as likely as none before anything was driven."""
-    base, doubts = decision.base, {d.effect: d for d in further_effects(decision.bank.prober)}
-    won = {r.name: r for r in decision.ranking if r.gain >= LEAST_GAIN and not is_event(registry()[r.name])}
-    names = {*doubts, *won}
-    for name in sorted(names):
-        weighed = []
-        if name in doubts:
-            weighed.append((doubts[name].log_odds, _beside(base, (), doubts[name], base)))
+def _hidden(decision: Decision, gates: Gates) -> Iterator[Weighed]:
+    """Yield effects that found nothing to explain, at the size that half of what detection asks for would show.
+
+    The data are against such a size by as much as it would have shown; a size that matters is not gone below.
+    """
+    base, shown = decision.base, 0.5 * gates.detect
+    won = {r.name for r in decision.ranking if r.gain >= LEAST_GAIN}
+    sizes = smallest_sizes(decision, shown)
+    wanted = shown + math.log(decision.engine.count)
+    for name, (parameter, size, _) in sizes.items():
         if name in won:
-            weighed.append(
-                (_fitted_odds(won[name].fit, name, won[name].gain), _fitted(won[name].fit, (name,), base))
-            )
-        log_odds, hypothesis = max(weighed, key=lambda w: w[0])
-        yield log_odds - math.log(len(names)), hypothesis
-
-
-def _fitted_odds(fit: Fit, name: str, gain: float) -> float:
-    """Return the log odds that a fitted effect has a size that matters."""
-    table, effect, log_odds, unlikely = parameter_table(), registry()[name], gain / TEMPER, 1.0
-    for slot, value, variance in fit.numbers():
-        entry = table.entries[slot.place]
-        if table.owner[slot.place] != name or not entry.strength:
             continue
-        typical = effect.parameter(entry.name).typical - effect.parameter(entry.name).null
-        if typical == 0.0:
-            continue
-        size, sd = (value - entry.null) / abs(typical), math.sqrt(max(TEMPER * variance, 0.0)) / abs(typical)
-        log_odds += min(math.log(max(math.sqrt(math.tau) * sd / 2.0, 1e-300)), 0.0)
-        unlikely *= _within(size, sd, SIZES[0])
-    return log_odds + math.log(max(1.0 - unlikely, 1e-300))
-
-
-def _within(mean: float, sd: float, limit: float) -> float:
-    """Return the probability that a normal number lies within +-limit."""
-    scale = max(sd, 1e-12) * math.sqrt(2.0)
-    return 0.5 * (math.erf((limit - mean) / scale) + math.erf((limit + mean) / scale))
-
-
-def _doubted(decision: Decision, weighed: Sequence[Weighed]) -> Iterator[Weighed]:
-    """Yield what the likeliest explanation may be beside itself: with a further effect, or only where it was driven."""
-    log_odds, leader = max(weighed, key=lambda w: w[0])
-    fit = _fit_of(decision, leader.names)
-    if fit is None:
-        return
-    engine, known = decision.engine, {frozenset(h.names) for _, h in weighed}
-    beside = list(further_effects(Prober(engine.simulators, fit, residual_of(engine, fit))))
-    for doubt in beside:
-        if frozenset((*leader.names, doubt.effect)) not in known:
-            odds = min(doubt.log_odds + math.log(FURTHER), 0.0) - math.log(
-                len(beside)
-            )  # the diagnosis saw none
-            yield log_odds + odds, _beside(fit, leader.names, doubt, decision.base)
-    placed = all(s.prepared.poses.placed for s in engine.simulators)
-    if placed and not any(depends_on_place(name) for name in leader.names):
-        (x, y), only_here = shown_where(decision.bank.prober, fit.values)
-        yield log_odds + math.log(ONLY_HERE) + only_here, replace(leader, spot=(float(x), float(y), SPOT))
-
-
-def _fit_of(decision: Decision, names: tuple[str, ...]) -> Fit | None:
-    """Return the fit of an explanation by its names; None for nothing at all and for others than those looked into."""
-    if names == tuple(s.name for s in decision.model.supports):
-        return decision.model.fit
-    return next((r.fit for r in decision.ranking if (r.name,) == names), None)
-
-
-def _beside(fit: Fit, names: tuple[str, ...], doubt: Doubt, base: Fit) -> Hypothesis:
-    """Return an explanation with a further effect of the size that is doubted."""
-    told = _fitted(fit, names, base)
-    slot = slot_of(f"{doubt.effect}.{doubt.parameter}")
-    size = len(told.places)
-    covariance = np.zeros((size + 1, size + 1))
-    covariance[:size, :size] = told.covariance
-    covariance[size, size] = doubt.spread**2
-    return Hypothesis(
-        (*names, doubt.effect),
-        1.0,
-        with_values(told.values[None], doubt.values)[0],
-        (*told.places, slot.place),
-        covariance,
-        np.append(told.steps, slot.step),
-    )
+        effect = registry()[name]
+        entry = effect.parameter(parameter)
+        matters = MATTERS * abs(entry.typical - entry.null)
+        grown = max(matters / max(abs(size - entry.null), 1e-12), 1.0)
+        value = entry.null + grown * (size - entry.null)
+        values = with_values(base.values[:1], {f"{name}.{parameter}": value})[0]
+        slots = (*base.slots, slot_of(f"{name}.{parameter}"))
+        covariance = np.zeros((len(slots), len(slots)))
+        covariance[:-1, :-1] = _spread(base, base.slots, ())
+        covariance[-1, -1] = (0.3 * (value - entry.null)) ** 2
+        log_odds = -0.5 * wanted * grown**2 / TEMPER - 0.5 * math.log(len(sizes))
+        places = tuple(s.place for s in slots)
+        yield log_odds, Hypothesis((name,), 1.0, values, places, covariance, _steps(slots))

@@ -271,7 +271,6 @@ class Composer:
         outlooks = tuple(
             Outlook(
                 h.names,
-                h.label,
                 float(p[k]),
                 float(said[k, k]),
                 Pose2(*map(float, ends[k])),

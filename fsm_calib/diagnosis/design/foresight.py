@@ -110,26 +110,8 @@ class Foresight:
         seen[needed] = simulator.increments(rows[needed])
         raw = (seen - seen[against]) / steps[:, None, None]
         raw[~wanted] = 0.0
-        self._bound_to_spots(raw, simulator.prepared.reference)
         whitener = Whitener.at(simulator.prepared, self.belief.noise)
         return whitener.columns(np.ascontiguousarray(np.moveaxis(raw[1:], 0, -1)))
-
-    def _bound_to_spots(self, raw: FloatArray, path: FloatArray) -> None:
-        """Take what explanations change (k, n, 5) outside their spots away, on the path (n, 3) of the likeliest one."""
-        for rows, (x, y, radius) in self._spots:
-            outside = np.hypot(path[:, 0] - x, path[:, 1] - y) > radius
-            raw[rows] *= ~outside[:, None]
-
-    @cached_property
-    def _spots(self) -> list[tuple[list[int], tuple[float, float, float]]]:
-        """Return the rows of each explanation that holds only in a spot: its own and those of its own numbers."""
-        base, at, spots = self.belief.base, 1 + len(self.belief.hypotheses) + self.belief.base, []
-        for number, h in enumerate(self.belief.hypotheses):
-            own = len(h.places) - base
-            if h.spot is not None:
-                spots.append(([1 + number, *range(at, at + own)], h.spot))
-            at += own
-        return spots
 
     def _expected(self, holds: Holds, start: FloatArray) -> Prepared:
         """Return the drive that the likeliest explanation expects, at the tracker's frame rate."""

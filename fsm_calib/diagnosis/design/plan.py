@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from fsm_calib.diagnosis.design.belief import NOTHING
 from fsm_calib.types import FloatArray, Pose2
 
 
@@ -29,16 +30,20 @@ class Forecast:
 
 @dataclass(frozen=True, slots=True)
 class Outlook:
-    """One possible outcome: the explanation and its label, its probability now, and after the drive if it is right;
-    where the robot would end; what it would still be taken for, most likely.
+    """One possible outcome: the explanation, its probability now, and after the drive if it is right; where the robot
+    would end; what it would still be taken for, most likely.
     """
 
     names: tuple[str, ...]
-    label: str
     probability: float
     if_right: float
     end: Pose2
     rival: str
+
+    @property
+    def label(self) -> str:
+        """The names as one text."""
+        return " + ".join(self.names) or NOTHING
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import numpy as np
 from fsm_calib.actions.investigating import Field, InvestigationBench
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief
-from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
+from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief, with_doubts
 from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design
 from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
@@ -62,7 +62,7 @@ class Mind:
         if belief is None:
             belief = prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
         elif sure:
-            least = 0.0
+            belief, least = with_doubts(belief), 0.0
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
         findings.designs += 1
         longest = min(asked.longest, max(asked.budget - findings.spent, SHORTEST_TIME))
