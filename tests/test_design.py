@@ -179,6 +179,11 @@ def test_place_that_is_believed_in_is_crossed():
     assert np.min(np.hypot(plan.path[:, 0] - 0.35, plan.path[:, 1] - 0.35)) < 0.2
 
 
+def test_the_first_drive_is_designed_for_every_effect_that_acts_everywhere():
+    held = {name for h in prior_belief().hypotheses for name in h.names}
+    assert {"tyre_scrub", "wheel_eccentricity", "sensor_yaw", "motor_deadband"} <= held
+
+
 def test_prior_holds_nothing_missing_and_the_catalogue():
     prior = prior_belief()
     assert prior.leader.names == ()
