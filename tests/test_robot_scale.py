@@ -49,6 +49,13 @@ def test_a_caster_is_taken_to_sit_as_far_behind_as_the_robot_is_wide(drive, fact
     assert values[parameter_table().place("caster_drag.arm")] == pytest.approx(arm)
 
 
+def test_a_caster_that_the_world_states_sits_where_it_says(drive):
+    simulator = make_simulator(
+        prepare(dataclasses.replace(drive, robot=HALF_TONNE)), {"caster_drag.arm": 0.1}
+    )
+    assert nominal_values([simulator])[parameter_table().place("caster_drag.arm")] == 0.1
+
+
 @pytest.mark.parametrize(
     ("name", "factor"),
     [

@@ -231,16 +231,14 @@ def nominal_values(simulators: Sequence[Simulator]) -> FloatArray:
     """Return the parameter vector of the robot as its manifest states it, with the effects that its world has."""
     table = parameter_table()
     robot = simulators[0].prepared.recording.robot
-    values = table.null
+    axle = robot.axle_length or NOMINAL_AXLE
+    values = np.maximum(table.null, [entry.of_axle * axle or -np.inf for entry in table.entries])
     for name, value in simulators[0].world.items():
         values[table.place(name)] = value
     for side in ("left", "right"):
         values[table.place(f"gain_{side}")] = simulators[0].full_speed
         values[table.place(f"wheel_radius_{side}")] = robot.wheel_radius or NOMINAL_RADIUS
-    axle = robot.axle_length or NOMINAL_AXLE
     values[table.place("axle_length")] = axle
-    for place, entry in enumerate(table.entries):
-        values[place] = max(values[place], entry.of_axle * axle) if entry.of_axle else values[place]
     values[table.place("wheel_inertia")] *= (
         max(1.0, (robot.wheel_radius or NOMINAL_RADIUS) / SMALL_RADIUS) ** 2
     )
