@@ -158,9 +158,7 @@ def schema(
 for _variable in LINEAR_ALGEBRA_THREADS:
     os.environ.setdefault(_variable, "1")
 os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", LARGEST_IMAGE)
-os.environ.setdefault(
-    "NUMBA_CACHE_DIR", ""
-)  # beside its source: a working directory's file has no say, also later on
+os.environ.setdefault("NUMBA_CACHE_DIR", "")  # beside its source: no file of a working directory has a say
 os.environ.setdefault("OPENCV_LOG_LEVEL", "OFF")  # what is wrong with an image is said by our own sentence
 for _module in COMMAND_MODULES:
     importlib.import_module(f"fsm_calib.commands.{_module}").register(app)

@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
+
+
+def worker_of_killed(code: str) -> int:
+    """Run Python code that prints the number of a worker process first, kill it then, and return that number."""
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as command:
+        assert command.stdout is not None
+        pid = int(command.stdout.readline())
+        command.kill()
+    return pid
 
 
 def is_alive(pid: int) -> bool:

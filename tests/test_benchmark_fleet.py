@@ -1,12 +1,11 @@
 """Benchmarks that run one scenario on many robots: what they keep, and when their workers end."""
 
-import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from processes import is_alive
+from processes import is_alive, worker_of_killed
 from recording_samples import ROOT
 from ros_rig import until
 
@@ -23,10 +22,7 @@ def test_a_worker_ends_when_its_benchmark_is_killed() -> None:
         "print(pool.submit(os.getpid).result(), flush=True)\n"
         "pool.submit(time.sleep, 600).result()\n"
     )
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as benchmark:
-        assert benchmark.stdout is not None
-        worker = int(benchmark.stdout.readline())
-        benchmark.kill()
+    worker = worker_of_killed(code)
     until(lambda: not is_alive(worker), "the worker of a killed benchmark ends")
 
 

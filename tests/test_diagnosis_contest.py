@@ -15,7 +15,7 @@ from fsm_calib.diagnosis.proof.form_test import Linear, Remainder, contest
 from fsm_calib.diagnosis.proof.plausible import has_size, is_crossed, is_plausible, is_seen, lasts, stays_in
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
-from fsm_calib.diagnosis.shapes.form_frame import lagged
+from fsm_calib.diagnosis.shapes.form_frame import frames_of, lagged
 from fsm_calib.diagnosis.shapes.forms import RECIPES, forms
 from fsm_calib.diagnosis.shapes.wheel_response import driven
 from fsm_calib.recording.channels import PoseTrack
@@ -43,7 +43,7 @@ def test_the_lag_answers_a_step_exponentially():
 
 def test_every_form_has_finite_columns_for_each_recording(saturated):
     engine, _, fit = saturated
-    found = forms(engine, fit)
+    found = forms(frames_of(engine.simulators, fit))
     assert [f.quantity for f in found] == list(RECIPES)
     for form in found:
         assert [c.shape[0] for c in form.columns] == [len(s.prepared.time) for s in engine.simulators]
@@ -52,7 +52,7 @@ def test_every_form_has_finite_columns_for_each_recording(saturated):
 
 def test_forms_of_the_sensor_leave_the_wheels_alone(saturated):
     engine, _, fit = saturated
-    mount = next(f for f in forms(engine, fit) if f.quantity == "where the sensor sits")
+    mount = next(f for f in forms(frames_of(engine.simulators, fit)) if f.quantity == "where the sensor sits")
     assert not mount.columns[0][:, 3:].any()
 
 

@@ -8,7 +8,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from processes import is_alive
+from processes import is_alive, worker_of_killed
 from ros_rig import DEADLINE, until
 
 from fsm_calib.errors import InputError
@@ -99,10 +99,7 @@ def test_a_worker_of_a_killed_command_ends_at_once(tmp_path: Path) -> None:
         "print(child.pid, flush=True)\n"
         "time.sleep(60)\n"
     )
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as command:
-        assert command.stdout is not None
-        pid = int(command.stdout.readline())
-        command.kill()
+    pid = worker_of_killed(code)
     until(lambda: not is_alive(pid), "the worker of a killed command ends")
 
 

@@ -41,7 +41,6 @@ TEMPER = (
     3.0  # evidence gaps are divided by it: likelihoods of inexact equations are over-confident by so much
 )
 GENERAL_DOUBT = 0.02  # share of names that are wrong for no visible reason
-EVERY = 40  # explanations before the first drive: nothing missing, and every effect of the catalogue
 MOST = 14  # explanations that are kept: those behind have a thousandth of the doubt
 MATTERS = 0.2  # of an effect's typical size: a smaller one changes no drive by more than its noise
 LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
@@ -82,7 +81,6 @@ def prior_belief(
     noise: Noise | None = None,
     robot: RobotFacts | None = None,
     frame_rate: float = 15.0,
-    most: int = EVERY,
 ) -> Belief:
     """Return what is believed of a robot that has not been driven: nothing missing, or one effect of typical size."""
     facts = robot or RobotFacts(wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=NOMINAL_WHEEL_RATE)
@@ -108,7 +106,14 @@ def prior_belief(
             Hypothesis((effect.name,), 0.5 / len(effects), values, places, covariance, _steps((*slots, *own)))
         )
     return Belief(
-        kept(hypotheses, most), len(slots), plain, noise or Noise(), facts, frame_rate, full, GENERAL_DOUBT
+        kept(hypotheses, len(hypotheses)),
+        len(slots),
+        plain,
+        noise or Noise(),
+        facts,
+        frame_rate,
+        full,
+        GENERAL_DOUBT,
     )
 
 

@@ -39,8 +39,6 @@ TRUST = 0.8
 """How far a handful of numbers is trusted when a drive is planned [1]; the rest is what was believed before."""
 PLANNED = 8
 """Explanations that a drive is planned to tell apart."""
-MANY = 60
-"""More explanations than the catalogue has: all are weighed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +67,7 @@ def belief_of_turns(straights: Straights, commands: Drive, facts: RobotFacts, ra
 
     commands : all since the run began. facts : the robot's axle and speed.
     """
-    prior = prior_belief(robot=facts, most=MANY)
+    prior = prior_belief(robot=facts)
     plain = _driving_straight(prior.plain, ratio)
     tried = [("", [plain]), *((e.name, _variants(e, plain)) for e in _effects(prior))]
     rows = np.array([row for _, group in tried for row in group])

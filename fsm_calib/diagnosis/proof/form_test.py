@@ -30,8 +30,8 @@ from fsm_calib.diagnosis.candidates.ranking import evidence_of
 from fsm_calib.diagnosis.candidates.scan_markers import jump_evidence
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.likelihood.robust import log_kernel, robust_weights
-from fsm_calib.diagnosis.replay.situation import situations_of
-from fsm_calib.diagnosis.shapes.features import late_columns
+from fsm_calib.diagnosis.shapes.features import apart_columns
+from fsm_calib.diagnosis.shapes.form_frame import frames_of
 from fsm_calib.diagnosis.shapes.forms import forms
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
@@ -50,8 +50,8 @@ NEW = 0.02  # of a column's length that the columns before it must leave
 class Contest:
     """Evidence of the best un-named forms over the name's, instead of it and beside it, with their quantities.
 
-    stand_in : of the forms that are beside it, those alone instead of it; explained : evidence of the name over the
-    base robot; loose : no exact equation can be had (a place, a moment, a
+    stand_in : of the forms that are beside it, those alone instead of it; `instead` where nothing is left beside it.
+    explained : evidence of the name over the base robot; loose : no exact equation can be had (a place, a moment, a
     robot that turns velocities into wheel commands by a controller of its own).
     """
 
@@ -164,17 +164,9 @@ def contest(remainder: Remainder, parent: Fit, effects: Sequence[str]) -> Contes
     extra = len(fit.slots) - len(parent.slots)
     log_n, choice = _costs(engine, remainder.pool)
     target = 2.0 * named.solved()[2] - extra * log_n
-
-    def in_its_place(pool: Pool) -> tuple[float, tuple[str, ...]]:
-        begun, path = _climb(bare, pool, MOST_INSTEAD)
-        evidence = [
-            2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
-        ]
-        return _best(evidence, path, pool)
-
     beside, quantities = remainder.beside_of(effects)
-    instead, instead_quantities = in_its_place(pool)
-    same = pool.of(quantities)
+    instead, instead_quantities = _in_its_place(bare, pool, target, log_n, choice)
+    same = pool.of(quantities if beside > 0.0 else ())
     loose = any(registry()[name].scan for name in effects) or any(
         s.prepared.recording.command is None for s in engine.simulators
     )
@@ -183,10 +175,21 @@ def contest(remainder: Remainder, parent: Fit, effects: Sequence[str]) -> Contes
         instead_quantities,
         beside,
         quantities,
-        in_its_place(same)[0] if same.quantities else instead,
+        _in_its_place(bare, same, target, log_n, choice)[0] if same.quantities else instead,
         evidence_of(fit, parent, engine.count),
         loose,
     )
+
+
+def _in_its_place(
+    bare: Linear, pool: Pool, target: float, log_n: float, choice: float
+) -> tuple[float, tuple[str, ...]]:
+    """Return by how much evidence the best forms of a pool beat a name that reaches `target`, and their quantities."""
+    begun, path = _climb(bare, pool, MOST_INSTEAD)
+    evidence = [
+        2.0 * (begun + gain) - (k + 1) * log_n - k * choice - target for k, (_, gain) in enumerate(path)
+    ]
+    return _best(evidence, path, pool)
 
 
 def _costs(engine: Engine, pool: Pool) -> tuple[float, float]:
@@ -196,19 +199,17 @@ def _costs(engine: Engine, pool: Pool) -> tuple[float, float]:
 
 def _linearised(engine: Engine, fit: Fit) -> tuple[Linear, Pool]:
     """Return a fitted model and the forms, both linearised where it is."""
-    whiteners = engine.whiteners(fit.noise)
-    late = [late_columns(s) for s in situations_of(engine.simulators, fit.values)]
-    numbers = [engine.white_columns(whiteners, columns) for columns in (fit.columns, late)]
+    whiteners, frames = engine.whiteners(fit.noise), frames_of(engine.simulators, fit)
+    late = [apart_columns(f.s, f.s.acceleration[:, None], f.s.spin[:, None]) for f in frames]
+    own, lateness = (engine.white_columns(whiteners, columns) for columns in (fit.columns, late))
     model = Linear(
         engine.residual(whiteners, fit.simulated),
-        np.hstack(numbers),
-        np.append(fit.slot_values() - np.array([s.centre for s in fit.slots]), np.zeros(numbers[1].shape[1])),
-        np.append([s.spread for s in fit.slots], np.full(numbers[1].shape[1], LATE)),
+        np.hstack([own, lateness]),
+        np.append(fit.slot_values() - np.array([s.centre for s in fit.slots]), np.zeros(lateness.shape[1])),
+        np.append([s.spread for s in fit.slots], np.full(lateness.shape[1], LATE)),
         engine.nu,
     )
-    return model, _pool(
-        [(f.quantity, engine.white_columns(whiteners, f.columns)) for f in forms(engine, fit)]
-    )
+    return model, _pool([(f.quantity, engine.white_columns(whiteners, f.columns)) for f in forms(frames)])
 
 
 def _pool(blocks: Sequence[tuple[str, FloatArray]]) -> Pool:

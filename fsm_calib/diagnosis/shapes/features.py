@@ -87,9 +87,8 @@ def body_columns(s: Situation, **speeds: FloatArray) -> FloatArray:
     return out
 
 
-def late_columns(s: Situation) -> FloatArray:
-    """Return increments (n, 5, 2) of being a second late, forward and turning: speed errors by acceleration."""
-    forward, turn = s.acceleration[:, None], s.spin[:, None]
+def apart_columns(s: Situation, forward: FloatArray, turn: FloatArray) -> FloatArray:
+    """Return increments (n, 5, 2 m) of forward [m/s] and of turning [rad/s] speed errors (n, m), each by itself."""
     return np.concatenate([body_columns(s, forward=forward), body_columns(s, turn=turn)], axis=2)
 
 

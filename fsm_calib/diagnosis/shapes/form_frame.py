@@ -10,8 +10,8 @@ from numba import njit
 
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.replay.simulator import Simulator
-from fsm_calib.diagnosis.replay.situation import Situation
-from fsm_calib.diagnosis.shapes.features import body_columns
+from fsm_calib.diagnosis.replay.situation import Situation, situations_of
+from fsm_calib.diagnosis.shapes.features import apart_columns, body_columns
 from fsm_calib.diagnosis.shapes.wheel_response import driven
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
@@ -66,9 +66,9 @@ class Frame:
 
     def every_way(self, forward: FloatArray, turn: FloatArray) -> FloatArray:
         """Return columns of errors of both speeds apart, together, and together for the pose sensor alone."""
-        apart = [body_columns(self.s, forward=forward), body_columns(self.s, turn=turn)]
         together = body_columns(self.s, forward=forward, turn=turn)
-        return np.concatenate([*apart, together, self.sensed(forward=forward, turn=turn)], axis=2)
+        apart = apart_columns(self.s, forward, turn)
+        return np.concatenate([apart, together, self.sensed(forward=forward, turn=turn)], axis=2)
 
 
 @njit(cache=True)
@@ -94,9 +94,10 @@ def powers(x: FloatArray, count: int) -> FloatArray:
     return np.column_stack([x ** (k + 1) for k in range(count)])
 
 
-def frames_of(simulators: Sequence[Simulator], situations: Sequence[Situation], fit: Fit) -> list[Frame]:
+def frames_of(simulators: Sequence[Simulator], fit: Fit) -> list[Frame]:
     """Return the frame of every recording, speeds and lags of `fit`."""
     table, values, full = parameter_table(), fit.values[0], simulators[0].full_speed
+    situations = situations_of(simulators, fit.values)
     forward, turn = (float(values[table.place(name)]) for name in ("tau_forward", "tau_turn"))
     speed = max(float(np.quantile(np.abs(s.v), 0.98)) for s in situations) or 0.1
     spin = max(float(np.quantile(np.abs(s.omega), 0.98)) for s in situations) or 0.1

@@ -9,15 +9,14 @@ exogenous quantities (`situation.py`). The scales only keep the columns within a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.diagnosis.replay.situation import last_sign, situations_of
-from fsm_calib.diagnosis.shapes.features import body_columns, hats
-from fsm_calib.diagnosis.shapes.form_frame import DRY_SPEED, Frame, frames_of, lagged, powers, sign
+from fsm_calib.diagnosis.replay.situation import last_sign
+from fsm_calib.diagnosis.shapes.features import apart_columns, body_columns, hats
+from fsm_calib.diagnosis.shapes.form_frame import DRY_SPEED, Frame, lagged, powers, sign
 from fsm_calib.types import FloatArray
 
 AT_REST = 0.01  # command below which a wheel coasts
@@ -151,7 +150,7 @@ def _lateness(f: Frame) -> FloatArray:
 def _after_command(f: Frame) -> FloatArray:
     since = hats(f.s.age, AGES)
     forward, turn = since * f.s.jump_v[:, None], since * f.s.jump_w[:, None]
-    return np.concatenate([body_columns(f.s, forward=forward), body_columns(f.s, turn=turn)], axis=2)
+    return apart_columns(f.s, forward, turn)
 
 
 def _after_reversal(f: Frame) -> FloatArray:
@@ -205,8 +204,6 @@ RECIPES: dict[str, Callable[[Frame], FloatArray]] = {
 """Quantity to columns; single functions may occur twice, what depends on another is projected out."""
 
 
-def forms(engine: Engine, fit: Fit) -> list[Form]:
-    """Return every un-named correction for the recordings of one robot, speeds simulated with `fit`."""
-    situations = situations_of(engine.simulators, fit.values)
-    frames = frames_of(engine.simulators, situations, fit)
+def forms(frames: Sequence[Frame]) -> list[Form]:
+    """Return every un-named correction for the recordings of one robot."""
     return [Form(name, tuple(recipe(f) for f in frames)) for name, recipe in RECIPES.items()]
