@@ -60,6 +60,21 @@ def test_remembered_filters_and_columns_give_the_same_fit(engine, base):
     np.testing.assert_array_equal(again.values, alone.values)
 
 
+def test_a_fit_on_top_of_another_keeps_the_columns_that_it_took_over_only_once(engine, base):
+    slots = (*base.slots, *slots_of(Hypothesis("motor_deadband", ("offset",)), 1))
+    fit = engine.fit(base.values, slots, base.noise, known=base.columns, steps=1)
+    assert fit.jacobians[0] is base.columns
+    assert fit.columns[0].shape[2] == len(slots)
+
+
+def test_columns_are_whitened_in_parts_as_all_at_once(engine, base):
+    rng, whiteners = np.random.default_rng(0), engine.whiteners(base.noise)
+    columns = [rng.normal(size=(*s.shape, 37)) for s in base.simulated]
+    columns[0][:, :, 3:9] = 0.0
+    whole = np.vstack([w.columns(c) for w, c in zip(whiteners, columns, strict=True)])
+    np.testing.assert_array_equal(engine.white_columns(whiteners, columns), -whole)
+
+
 def test_more_noises_than_are_remembered_do_no_harm(engine, base):
     simulated = simulate_all(engine.simulators, base.values)
     noises = [Noise(position=0.001 * (i + 1)) for i in range(8)]

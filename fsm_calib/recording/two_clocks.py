@@ -11,7 +11,7 @@ import dataclasses
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.linalg import solve_banded
 
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Finding, Recording, held_at
@@ -65,12 +65,18 @@ def _refined(pose: PoseTrack, name: str, channel: Any, shift: float) -> float:
     best = (np.inf, shift)
     for lag in LAGS:
         step = FINE / (lag + FINE)
-        slow = _smooth(lfilter([step], [1.0, step - 1.0], told))
+        slow = _smooth(_lagging(told, step))
         for change in np.arange(-NEAR, NEAR + FINE, FINE):
             there = np.interp(grid, told_at + shift + change, slow)
             gain = float(there @ seen) / max(float(there @ there), 1e-12)
             best = min(best, (float(np.sum((seen - gain * there) ** 2)), float(shift + change)))
     return best[1]
+
+
+def _lagging(told: FloatArray, step: float) -> FloatArray:
+    """Return y (n,) with y_i = y_(i-1) + step (told_i - y_(i-1)), from rest: a first-order lag, row by row."""
+    bands = np.vstack([np.ones(len(told)), np.full(len(told), step - 1.0)])
+    return np.asarray(solve_banded((1, 0), bands, step * told))
 
 
 def _pose_activity(pose: PoseTrack, step: float = STEP) -> tuple[FloatArray, FloatArray]:

@@ -250,12 +250,12 @@ class Bank:
         """Return the parent's point as a point of the larger model: the effect found nothing to explain."""
         parent = self.parent
         extra = len(fit.slots) - len(parent.slots)
-        columns = tuple(np.concatenate([c, np.zeros((*c.shape[:2], extra))], axis=2) for c in parent.columns)
+        nothing = tuple(np.zeros((*c.shape[:2], extra)) for c in parent.columns)
         covariance = np.zeros((len(fit.slots), len(fit.slots)))
         covariance[: len(parent.slots), : len(parent.slots)] = parent.covariance
         return Fit(
             parent.values, fit.slots, parent.noise, parent.log_likelihood, parent.log_prior, covariance,
-            parent.simulated, columns,
+            parent.simulated, (parent.columns, nothing),
         )  # fmt: skip
 
 

@@ -121,8 +121,9 @@ class Scanner:
 
     def _drags(self, areas: Sequence[Area]) -> FloatArray:
         """Return what a drag in each area promises (c,); a rough floor never pushes."""
-        promise, amplitude = self.scores([drag_columns(s, areas) for s in self.situations])
-        return np.where(amplitude > 0, promise, 0.0)
+        parts = [areas[i : i + CHUNK] for i in range(0, len(areas), CHUNK)]  # all at once: 100 MB
+        found = [self.scores([drag_columns(s, part) for s in self.situations]) for part in parts]
+        return np.concatenate([np.where(amplitude > 0, promise, 0.0) for promise, amplitude in found])
 
     def slippery_areas(self, effect: Effect) -> list[Candidate]:
         """Return discs of low friction: there the robot neither starts, stops nor turns as told."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -36,7 +37,8 @@ class Fit:
     """A fitted model of R recordings.
 
     values : (R, p) parameters; slots : what was free; noise; log_likelihood at `values`; log_prior; covariance :
-    (m, m) of the slots; simulated : increments (n, 5) of each recording; columns : raw Jacobian (n, 5, m) of each.
+    (m, m) of the slots; simulated : increments (n, 5) of each recording; jacobians : the raw Jacobian in parts, each
+    (n, 5, m_i) for every recording. A fit on top of another shares the part that it took over.
     """
 
     values: FloatArray
@@ -46,7 +48,15 @@ class Fit:
     log_prior: float
     covariance: FloatArray
     simulated: tuple[FloatArray, ...]
-    columns: tuple[FloatArray, ...]
+    jacobians: tuple[Sequence[FloatArray], ...]
+
+    @cached_property
+    def columns(self) -> tuple[FloatArray, ...]:
+        """The raw Jacobian (n, 5, m) of each recording."""
+        return tuple(
+            parts[0] if len(parts) == 1 else np.concatenate(parts, axis=2)
+            for parts in zip(*self.jacobians, strict=True)
+        )
 
     @property
     def score(self) -> float:
@@ -114,15 +124,13 @@ def jacobian(
     return tuple(columns)
 
 
-def _nonzero_columns(whitener: Whitener, columns: FloatArray) -> FloatArray:
-    """Whiten columns (n, 5, m); those that are zero in this recording cost nothing."""
+def _whiten_into(out: FloatArray, whitener: Whitener, columns: FloatArray) -> None:
+    """Whiten columns (n, 5, m) into `out` (N, m), some at a time; those that are zero here cost nothing."""
     used = np.flatnonzero(columns.any(axis=(0, 1)))
-    if len(used) == columns.shape[2]:
-        return whitener.columns(columns)
-    out = np.zeros((int(whitener.prepared.scored.sum()), columns.shape[2]))
-    if len(used):
-        out[:, used] = whitener.columns(columns[:, :, used])
-    return out
+    out[:] = 0.0
+    for begin in range(0, len(used), AT_A_TIME):
+        some = used[begin : begin + AT_A_TIME]
+        out[:, some] = whitener.columns(columns[:, :, some])
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +211,13 @@ class Engine:
 
     def white_columns(self, whiteners: Sequence[Whitener], columns: Sequence[FloatArray]) -> FloatArray:
         """Return whitened Jacobian columns of all recordings, shape (N, m): minus the residual's derivatives."""
-        return -np.vstack([_nonzero_columns(w, c) for w, c in zip(whiteners, columns, strict=True)])
+        counts = [int(w.prepared.scored.sum()) for w in whiteners]
+        out = np.empty((sum(counts), columns[0].shape[2]))
+        begin = 0
+        for whitener, block, count in zip(whiteners, columns, counts, strict=True):
+            _whiten_into(out[begin : begin + count], whitener, block)
+            begin += count
+        return np.negative(out, out=out)
 
     def fit(
         self,
@@ -233,7 +247,7 @@ class Engine:
         first = 0 if fixed is None else fixed.shape[1]
         normal = np.eye(len(slots))
         raw: tuple[FloatArray, ...] = ()
-        white = np.empty((0, 0))
+        white, shared = np.empty((0, 0)), known if first and known else None
         damping, fresh = 1e-6, False
         for iteration in range(steps):
             if not fresh:
@@ -268,11 +282,19 @@ class Engine:
             raw = jacobian(self.simulators, values, slots, simulated)
             white = self.white_columns(whiteners, raw)
             normal, _ = normal_equations(white, residual, slots, numbers, self.nu)
-        elif first and known:
-            raw = tuple(np.concatenate([k, r], axis=2) for k, r in zip(known, raw, strict=True))
+            shared = None
         prior = log_prior(slots, numbers)
         covariance: FloatArray = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=float)
-        return Fit(values, slots, noise, here - prior, prior, covariance, simulated, raw)
+        return Fit(
+            values,
+            slots,
+            noise,
+            here - prior,
+            prior,
+            covariance,
+            simulated,
+            (raw,) if shared is None else (shared, raw),
+        )
 
     def at_noise(self, fit: Fit, noise: Noise) -> Fit:
         """Return the same parameters under another noise."""

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import fdtrc
 
 from fsm_calib.types import FloatArray
 
@@ -73,7 +73,7 @@ class RobustFit:
         mean = rows.mean(axis=0)
         statistic = count * float(mean @ np.linalg.solve(covariance, mean))
         ratio = statistic * (count - dimension) / (dimension * (count - 1))
-        return bool(stats.f.sf(ratio, dimension, count - dimension) < ONE_SIDED)
+        return bool(fdtrc(dimension, count - dimension, ratio) < ONE_SIDED)
 
 
 def robust_fit(

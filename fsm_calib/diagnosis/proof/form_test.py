@@ -217,7 +217,8 @@ def _pool(blocks: Sequence[tuple[str, FloatArray]]) -> Pool:
     names = [name for name, block in blocks for _ in range(block.shape[1])]
     length = np.linalg.norm(columns, axis=0)
     keep = np.flatnonzero(length > 1e-9)
-    return Pool(columns[:, keep] / length[keep], tuple(names[i] for i in keep))
+    kept = columns if len(keep) == len(names) else columns[:, keep]
+    return Pool(np.divide(kept, length[keep], out=kept), tuple(names[i] for i in keep))
 
 
 def _climb(model: Linear, pool: Pool, most: int) -> tuple[float, list[tuple[int, float]]]:
@@ -242,8 +243,9 @@ def _most_promising(model: Linear, residual: FloatArray, off: FloatArray, pool: 
     rows[np.arange(len(held)), held] = 1.0 / model.spread[held]
     stacked = np.vstack([root * model.columns, rows])
     spanned, _ = np.linalg.qr(stacked / np.maximum(np.linalg.norm(stacked, axis=0), 1e-12))
-    weighted = np.vstack([root * pool.columns, np.zeros((len(held), pool.columns.shape[1]))])
-    free = weighted - spanned @ (spanned.T @ weighted)
+    free = np.zeros((len(stacked), pool.columns.shape[1]))
+    np.multiply(root, pool.columns, out=free[: len(root)])
+    free -= spanned @ (spanned.T @ free)
     length = np.linalg.norm(free, axis=0)
     error = np.concatenate([root[:, 0] * residual, -off[held] / model.spread[held]])
     score = np.where(length > NEW, np.abs(free.T @ error) / np.maximum(length, NEW), 0.0)

@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.likelihood.robust import log_density
@@ -36,7 +36,7 @@ class Gap:
     @property
     def probability(self) -> float:
         """The probability that the first of the two is nearer to the truth."""
-        return float(norm.cdf(self.evidence / np.hypot(self.spread, LOGISTIC)))
+        return float(ndtr(self.evidence / np.hypot(self.spread, LOGISTIC)))
 
 
 def gap_between(engine: Engine, first: Fit, second: Fit) -> Gap:

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from fsm_calib.diagnosis.proof.windows import NORMAL_MEDIAN, Windows
 from fsm_calib.diagnosis.replay.simulator import Simulator
@@ -81,7 +81,7 @@ def _blocks(windows: Windows) -> tuple[FloatArray, FloatArray]:
 def _limits(blocks: int) -> FloatArray:
     """Return the ratios that chance exceeds once in `1 / ALPHA` robots, position and heading."""
     alpha = ALPHA / max(2 * blocks, 1)
-    return np.array([np.sqrt(-np.log2(alpha)), norm.isf(0.5 * alpha) / NORMAL_MEDIAN])
+    return np.array([np.sqrt(-np.log2(alpha)), -ndtri(0.5 * alpha) / NORMAL_MEDIAN])
 
 
 def _stretch(over: np.ndarray, at: int) -> tuple[int, int]:

@@ -12,12 +12,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import Group, body_columns, feature_groups
-from fsm_calib.diagnosis.shapes.score_tests import LeftOver, Residual, project, residual_of, test_columns
+from fsm_calib.diagnosis.shapes.score_tests import (
+    LeftOver,
+    Residual,
+    log_tail,
+    project,
+    residual_of,
+    test_columns,
+)
 from fsm_calib.types import FloatArray
 
 BLOCK = 1.0  # s: several times the noise's memory
@@ -103,7 +109,7 @@ class Flips:
             return
         scale = variance / (2.0 * mean)
         q = np.sum((self.signs @ parts) ** 2, axis=1)
-        np.maximum(self.largest, -chi2.logsf(q / scale, mean / scale) / np.log(10.0), out=self.largest)
+        np.maximum(self.largest, -log_tail(q / scale, mean / scale) / np.log(10.0), out=self.largest)
 
 
 def flip_test(
@@ -156,7 +162,7 @@ def _when(residual: Residual, situations: list[Situation]) -> tuple[tuple[float,
         energy = np.bincount(second, psi**2)
         number = np.bincount(second)
         level = float(np.median(energy[number > 0] / number[number > 0]))
-        surprise = -chi2.logsf(energy / level, np.maximum(number, 1)) / np.log(10.0)
+        surprise = -log_tail(energy / level, np.maximum(number, 1)) / np.log(10.0)
         hot = np.flatnonzero(surprise > BIN_SURPRISE)
         spans: list[tuple[float, float]] = []
         for h in hot:
@@ -202,7 +208,7 @@ def _states(residual: Residual, situations: list[Situation], engine: Engine) -> 
         x = project(residual, blocks)
         gram = x.T @ x + 1e-9 * np.eye(x.shape[1])
         score = x.T @ residual.psi
-        surprise = float(-chi2.logsf(score @ np.linalg.solve(gram, score), x.shape[1]) / np.log(10.0))
+        surprise = float(-log_tail(score @ np.linalg.solve(gram, score), x.shape[1]) / np.log(10.0))
         if surprise > STATE_SURPRISE + np.log10(len(names)):
             found.append((surprise, name))
     return tuple(name for _, name in sorted(found, reverse=True)[:4])

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.likelihood.robust import Whitener, log_kernel, robust_weights
@@ -63,7 +63,8 @@ def project(residual: Residual, columns: Sequence[FloatArray]) -> FloatArray:
 
 def free_part(residual: Residual, white: FloatArray) -> FloatArray:
     """Return whitened columns (N, m) without what the fitted parameters can do."""
-    return white - residual.basis @ (residual.basis.T @ white)
+    fitted = residual.basis @ (residual.basis.T @ white)
+    return np.subtract(white, fitted, out=fitted)  # no third array: the blocks of a group are large
 
 
 def winnings(residual: Residual, changes: FloatArray) -> FloatArray:
@@ -93,11 +94,17 @@ def test_columns(residual: Residual, group: Group, x: FloatArray) -> LeftOver:
     if variance <= 0.0:
         return LeftOver(group.named_alone(), 0.0, 0.0, np.zeros(x.shape[1]))
     scale = variance / (2.0 * mean)
-    log_p = float(chi2.logsf(float(scores @ scores) / scale, mean / scale))
+    log_p = float(log_tail(float(scores @ scores) / scale, mean / scale))
     ridge = 1e-3 * mean / len(gram)
     coefficients = np.asarray(np.linalg.solve(gram + ridge * np.eye(len(gram)), scores), dtype=float)
     gain = 0.5 * float(scores @ coefficients) - 0.5 * len(gram)
     return LeftOver(group.named_alone(), -log_p / np.log(10.0), gain, coefficients)
+
+
+def log_tail(energy: float | FloatArray, degrees: float | FloatArray) -> FloatArray:
+    """Return the log of the probability that a chi-square of so many degrees of freedom exceeds `energy`."""
+    with np.errstate(divide="ignore"):  # what is beyond all numbers is surely left over
+        return np.asarray(np.log(chdtrc(degrees, energy)))
 
 
 def left_over(engine: Engine, fit: Fit, groups: Iterable[Group]) -> list[LeftOver]:
