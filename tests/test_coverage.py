@@ -15,7 +15,7 @@ from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
-from fsm_calib.diagnosis.verdict.coverage import alike, coverage_of
+from fsm_calib.diagnosis.verdict.coverage import Changes, alike, coverage_of
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
@@ -83,8 +83,10 @@ def test_two_delays_look_alike_in_any_drive_without_encoders(ahead, full):
 
 def test_alike_is_what_the_other_can_follow():
     x, y = np.eye(50)[:, :1] * 30.0, np.eye(50)[:, 1:2] * 30.0
-    assert alike({"a": x, "b": 2.0 * x, "c": y}) == (("a", "b"),)
-    assert alike({"a": x, "b": x + 0.5 * y}) == ()
+    assert alike({"a": Changes(x, x), "b": Changes(2.0 * x, x), "c": Changes(y, y)}) == (("a", "b"),)
+    mixed = x + 0.5 * y
+    assert alike({"a": Changes(x, x), "b": Changes(mixed, mixed)}) == ()
+    assert alike({"a": Changes(x, x), "b": Changes(np.hstack([x, mixed]), x)}) == (("a", "b"),)
 
 
 def test_the_verdict_tells_it_before_any_name():

@@ -154,6 +154,14 @@ def test_a_size_at_its_bound_or_too_small_to_be_told_is_none(saturated, effect, 
     assert has_size(at_value(base, effect, name, value)) is holds
 
 
+@pytest.mark.parametrize(("smoothing", "holds"), [(0.002, False), (0.05, True)])
+def test_one_of_two_sizes_is_enough_for_both(saturated, smoothing, holds):
+    _, base, _ = saturated
+    filtered = at_value(base, "observation_delay", "smoothing", smoothing)
+    both = replace(filtered, hypothesis=Hypothesis("observation_delay", ("delay", "smoothing")))
+    assert has_size(both) is holds
+
+
 @pytest.mark.parametrize(("duration", "holds"), [(0.7, False), (6.0, True)])
 def test_a_fault_as_short_as_a_push_is_none(saturated, duration, holds):
     _, base, _ = saturated

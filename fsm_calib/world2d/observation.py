@@ -1,6 +1,6 @@
-"""From the robot's states to what the pose sensor reports: its clock, its place on the robot, its map.
+"""From the robot's states to what the pose sensor reports: its clock, its filter, its place on the robot, its map.
 
-The hooks `clock` and `observe` of the active effects act in their order; everything is NumPy on whole
+The hooks `clock`, `smooth` and `observe` of the active effects act in their order; everything is NumPy on whole
 recordings.
 """
 
@@ -31,6 +31,14 @@ def robot_time(parameters: FloatArray, stamps: FloatArray) -> FloatArray:
     for effect, values in _active(parameters, "clock"):
         time = effect.hooks["clock"](values, time)
     return time
+
+
+def smoothed(parameters: FloatArray, times: FloatArray, poses: FloatArray) -> FloatArray:
+    """Return what the pose sensor's filter makes of the robot's poses, shape (n, 3), at increasing `times` [s]."""
+    seen = np.array(poses, dtype=float)[:, :3]
+    for effect, values in _active(parameters, "smooth"):
+        seen = effect.hooks["smooth"](values, times, seen)
+    return seen
 
 
 def observe(parameters: FloatArray, poses: FloatArray, places: FloatArray | None = None) -> FloatArray:
@@ -99,4 +107,5 @@ def predict(
     where = None
     if pose_track is not None:
         where = np.column_stack([np.interp(true_times, pose_track[:, 0], pose_track[:, i]) for i in (1, 2)])
-    return Prediction(observe(parameters, states, where), angles, states)
+    seen = smoothed(parameters, true_times, states)
+    return Prediction(observe(parameters, seen, where), angles, states)

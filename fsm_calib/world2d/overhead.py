@@ -12,12 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.observation import observe, robot_time
+from fsm_calib.world2d.observation import observe, robot_time, smoothed
 from fsm_calib.world2d.robot import World
 from fsm_calib.world2d.scene import check_range
 
 NOISE_STREAM = 11
 """Which random stream of the seed the tracker's noise is drawn from."""
+REMEMBERED = 10.0
+"""Seconds of the path before a frame that a tracker's filter may still hold: 16 of its longest time constants."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +70,9 @@ class OverheadTracker:
         if not len(numbers):
             return []
         self.__next = int(numbers[-1]) + 1
-        path = np.column_stack([np.interp(meant, trace[:, 0], trace[:, i]) for i in (1, 2, 3)])
+        known = trace[max(int(np.searchsorted(trace[:, 0], meant[0] - REMEMBERED)) - 1, 0) :]
+        filtered = smoothed(parameters, known[:, 0], known[:, 1:4])
+        path = np.column_stack([np.interp(meant, known[:, 0], filtered[:, i]) for i in range(3)])
         seen = observe(parameters, path)
         return [
             (float(stamp), *map(float, pose))  # type: ignore[misc]

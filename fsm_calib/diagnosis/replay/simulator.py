@@ -15,7 +15,7 @@ from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.wheel_stamps import held
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import per_catalogue, registry
-from fsm_calib.world2d.observation import observe, robot_time
+from fsm_calib.world2d.observation import observe, robot_time, smoothed
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive, active_flags, simulate_many
 from fsm_calib.world2d.scale import Scale
@@ -86,9 +86,22 @@ class Simulator:
             seen_at = (
                 np.ascontiguousarray(robot_time(vector, p.time)[part]) if _acts(vector, "clock") else time
             )
+            if _acts(vector, "smooth"):
+                states[i] = through_filter(vector, grid, states[i])
             sample_increments(states[i], grid[0], GRID_STEP, seen_at, time, out[i])
             through_sensor(vector, reference, out[i])
         return out
+
+
+def through_filter(vector: FloatArray, grid: FloatArray, states: FloatArray) -> FloatArray:
+    """Return states (g, 12) at the times `grid` (g,) [s] with poses and twists as the pose sensor's filter has them."""
+    seen = states.copy()
+    seen[:, :3] = smoothed(vector, grid, states[:, :3])
+    rate = np.gradient(seen[:, :3], GRID_STEP, axis=0)
+    c, s = np.cos(seen[:, 2]), np.sin(seen[:, 2])
+    seen[:, 3], seen[:, 4] = c * rate[:, 0] + s * rate[:, 1], c * rate[:, 1] - s * rate[:, 0]
+    seen[:, 5] = rate[:, 2]
+    return seen
 
 
 def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray) -> None:
@@ -107,7 +120,7 @@ def _with_hook(hook: str) -> NDArray[np.bool_]:
 
 
 def _acts(vector: FloatArray, hook: str) -> bool:
-    """Return whether an effect with a hook is switched on: `clock`, or `observe` between robot and sensor."""
+    """Return whether an effect with a hook between robot and sensor is switched on: `clock`, `smooth` or `observe`."""
     return bool((active_flags(vector) & _with_hook(hook)).any())
 
 

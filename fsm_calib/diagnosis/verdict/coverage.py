@@ -6,12 +6,13 @@ out, and of the rest x_A only what the other effect's changes, freely scaled, ca
 
     gain(A over B) = (1/2) |x_A - Q_B Q_B' x_A|^2     [nat]         Q_B: orthonormal changes of B
 
-Effects whose own (1/2) |x_A|^2 stays below what detection asks for are faint: these drives do not show them.
+x_A is the strongest change of A's first closure, its simplest; Q_B holds those of all closures of B. Effects whose own
+(1/2) |x_A|^2 stays below what detection asks for are faint: these drives do not show them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,12 +54,22 @@ class Coverage:
         }
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Changes:
+    """What an effect of declared sizes changes, whitened, (N, m): in all of its closures, and in the first of them."""
+
+    of_all: FloatArray
+    of_first: FloatArray
+
+
 def coverage_of(
     drives: Sequence[Prepared], prober: Prober, effects: Iterable[Effect], detect: float
 ) -> Coverage:
     """Return what drives can tell of effects that act anywhere and always; detect : evidence that detection needs."""
     changes = {e.name: _changes(e, prober) for e in effects if not e.scan}
-    power = {name: 0.5 * float(np.max(np.sum(x * x, axis=0), initial=0.0)) for name, x in changes.items()}
+    power = {
+        name: 0.5 * float(np.max(np.sum(x.of_all**2, axis=0), initial=0.0)) for name, x in changes.items()
+    }
     faint = tuple(name for name, gain in power.items() if 2.0 * gain < detect)
     seen = {name: x for name, x in changes.items() if name not in faint}
     return Coverage(missing(drives), alike(seen), faint)
@@ -101,14 +112,14 @@ def _seconds(drives: Sequence[Prepared]) -> dict[str, float]:
     return {**found, "straights on several headings": spent[ENOUGH_SECTORS - 1]}
 
 
-def alike(changes: dict[str, FloatArray]) -> tuple[tuple[str, ...], ...]:
-    """Return sets of effects of which each is mistaken for another of its set; `changes` (N, m) by name."""
-    bases = {name: _orthonormal(x) for name, x in changes.items()}
+def alike(changes: Mapping[str, Changes]) -> tuple[tuple[str, ...], ...]:
+    """Return sets of effects of which each is mistaken for another of its set; by name."""
+    bases = {name: _orthonormal(x.of_all) for name, x in changes.items()}
     names = list(changes)
     sets = {name: {name} for name in names}
     for i, a in enumerate(names):
         for b in names[i + 1 :]:
-            if _follows(changes[a], bases[b]) and _follows(changes[b], bases[a]):
+            if _follows(changes[a].of_first, bases[b]) and _follows(changes[b].of_first, bases[a]):
                 joined = sets[a] | sets[b]
                 for name in joined:
                     sets[name] = joined
@@ -129,10 +140,12 @@ def _orthonormal(x: FloatArray) -> FloatArray:
     return np.asarray(u[:, size > 1e-6 * max(float(size[0]), NO_POWER)])
 
 
-def _changes(effect: Effect, prober: Prober) -> FloatArray:
-    """Return what an effect of declared sizes changes beyond the base robot, whitened, (N, m)."""
-    starts = [s for h in hypotheses_of(effect, 1) for s in declared_starts(h)]
+def _changes(effect: Effect, prober: Prober) -> Changes:
+    """Return what an effect of declared sizes changes beyond the base robot."""
+    forms = list(hypotheses_of(effect, 1))
+    starts = [(form is forms[0], start) for form in forms for start in declared_starts(form)]
     some = starts[:: max(1, len(starts) // MOST_CHANGES)][:MOST_CHANGES]
-    columns = [prober.columns(with_values(prober.parent.values, start)) for start in some]
+    columns = [prober.columns(with_values(prober.parent.values, start)) for _, start in some]
     joined = [np.concatenate(blocks, axis=2) for blocks in zip(*columns, strict=True)]
-    return project(prober.residual, joined)
+    of_all = project(prober.residual, joined)
+    return Changes(of_all, of_all[:, [first for first, _ in some]])

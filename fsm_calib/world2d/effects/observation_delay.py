@@ -1,15 +1,21 @@
-r"""Poses are stamped later than they were.
+r"""Poses are stamped later than they were, or lag behind because the tracker smooths them.
 
-    pose(t) = h(state(t - delay))
+    pose(t) = h(s(t - delay)),        smoothing ds/dt = x - s
 
-delay [s]: exposure, transport and processing before the stamp. Wheel encoders are not concerned. Sources:
-cameras on Wi-Fi robots, 20 to 120 ms (assumed); temporal calibration after Rehder et al., ICRA 2016 (Kalibr).
+x the robot's pose, s what a filter of first order makes of it; delay [s]: exposure, transport and processing before the
+stamp; smoothing [s]: the filter's time constant, 0 for none. Both hold a slow robot's poses back by their sum; the
+filter rounds what is quick, too. Wheel encoders are not concerned. Sources: cameras on Wi-Fi robots, 20 to 120 ms
+(assumed); temporal calibration after Rehder et al., ICRA 2016 (Kalibr); exponential smoothing of tracked poses:
+LaViola, Double Exponential Smoothing: an Alternative to Kalman Filter-based Predictive Tracking, EGVE 2003.
 """
 
 from __future__ import annotations
 
+import numpy as np
+from numba import njit
+
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects.effect import LEAST_DELAY, Effect, Parameter
+from fsm_calib.world2d.effects.effect import LEAST_DELAY, Closure, Effect, Parameter
 
 
 def lag(p: FloatArray, t: FloatArray) -> FloatArray:
@@ -17,11 +23,28 @@ def lag(p: FloatArray, t: FloatArray) -> FloatArray:
     return t - p[0]
 
 
+def filtered(p: FloatArray, t: FloatArray, poses: FloatArray) -> FloatArray:
+    """Return poses (n, 3) behind a filter of first order that begins at rest, straight between the times t [s]."""
+    return _low_pass(t, np.ascontiguousarray(poses), p[1]) if p[1] > 0.0 else poses
+
+
+@njit(cache=True)
+def _low_pass(t, x, tau):  # type: ignore[no-untyped-def]
+    """Return the exact answer of tau ds/dt = x - s to straight lines between the rows of `x`."""
+    s = x.copy()
+    for k in range(1, len(x)):
+        step = (t[k] - t[k - 1]) / tau
+        fades = np.exp(-step)
+        mean = (1.0 - fades) / step
+        s[k] = fades * s[k - 1] + (mean - fades) * x[k - 1] + (1.0 - mean) * x[k]
+    return s
+
+
 EFFECT = Effect(
     name="observation_delay",
     family="timing",
     summary="poses are stamped late",
-    equation="pose(t) = h(state(t - delay))",
+    equation="pose(t) = h(s(t - delay)), smoothing ds/dt = x - s",
     parameters=(
         Parameter(
             "delay",
@@ -35,8 +58,20 @@ EFFECT = Effect(
             starts=(0.05, 0.12, 0.2),
             least=LEAST_DELAY,
         ),
+        Parameter(
+            "smoothing",
+            "tau_c",
+            "s",
+            0.0,
+            0.0,
+            0.6,
+            0.06,
+            "filters of trackers: 20 to 200 ms",
+            starts=(0.05, 0.15),
+            least=LEAST_DELAY,
+        ),
     ),
-    hooks={"clock": lag},
+    hooks={"clock": lag, "smooth": filtered},
     channels=("sensor", "forward", "turn"),
     regimes=("transient",),
     separates="encoders: early against the poses when only the camera is late",
@@ -44,5 +79,15 @@ EFFECT = Effect(
     manoeuvre="fast steps and slaloms with encoders, or a visible signal at the moment of a command",
     sentence="Poses are stamped {delay} late.",
     source="Rehder et al., ICRA 2016",
+    closures=(
+        Closure("constant", ("delay",), "every pose by as much"),
+        Closure(
+            "smoothed",
+            ("delay", "smoothing"),
+            "a filter behind the sensor holds poses back, too",
+            sentence="Poses are stamped {delay} late and smoothed over {smoothing}.",
+            source="LaViola, EGVE 2003",
+        ),
+    ),
     order=20,
 )

@@ -20,7 +20,7 @@ CHANNELS = ("forward", "lateral", "turn", "sensor")
 INPUTS = ("any", "command", "twist", "wheels")
 """Which drives can show an effect."""
 
-HOOKS = ("begin", "shape", "delay", "step", "clock", "observe")
+HOOKS = ("begin", "shape", "delay", "step", "clock", "smooth", "observe")
 """Where an effect's equation acts (`effect`)."""
 
 COMPILED_HOOKS = ("begin", "shape", "delay", "step")

@@ -1,0 +1,93 @@
+"""A tracker that smooths: the filter against its known answers, in the world, in replays and in a diagnosis."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from diagnosis_robots import judged, recording
+
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator, nominal_values
+from fsm_calib.world2d.effects.observation_delay import filtered
+from fsm_calib.world2d.overhead import OverheadTracker, TrackerSettings
+from fsm_calib.world2d.parameters import parameter_table, parameters
+
+TAU = 0.12
+
+
+def numbers(smoothing: float) -> np.ndarray:
+    return np.array([0.0, smoothing])
+
+
+def test_a_step_is_answered_exponentially():
+    times = np.sort(np.random.default_rng(2).uniform(0.0, 1.0, 200))
+    poses = np.ones((200, 3))
+    poses[0] = 0.0
+    poses[1] = 1.0
+    after = filtered(numbers(TAU), times, poses)
+    first = after[1]
+    expected = 1.0 - (1.0 - first) * np.exp(-(times[1:, None] - times[1]) / TAU)
+    assert after[1:] == pytest.approx(expected, abs=1e-12)
+
+
+def test_steady_motion_is_held_back_by_the_time_constant():
+    times = np.arange(0.0, 3.0, 0.03)
+    path = np.outer(times, [0.3, -0.1, 2.0])
+    after = filtered(numbers(TAU), times, path)
+    assert after[-1] == pytest.approx(path[-1] - TAU * np.array([0.3, -0.1, 2.0]), abs=1e-9)
+
+
+def test_no_time_constant_leaves_poses_as_they_are():
+    path = np.random.default_rng(3).normal(size=(20, 3))
+    assert filtered(numbers(0.0), np.arange(20.0), path) is path
+
+
+def test_a_replay_sees_through_the_filter_what_a_prediction_does():
+    driven = recording(4, noise=0.0, observation_delay__smoothing=TAU)
+    simulator = make_simulator(prepare(driven))
+    values = nominal_values([simulator])[None]
+    values = np.tile(values, (2, 1))
+    values[1, parameter_table().place("observation_delay.smoothing")] = TAU
+    plain, smooth = (found - simulator.prepared.step for found in simulator.increments(values))
+    assert np.abs(smooth[:, :3]).max() < 0.2 * np.abs(plain[:, :3]).max()
+
+
+class Moving:
+    """A world whose robot speeds up, of which the first `until` seconds are past."""
+
+    def __init__(self) -> None:
+        self.until = 0.0
+        self.spec = SimpleNamespace(seed=3)
+
+    @property
+    def truth(self) -> SimpleNamespace:
+        times = np.arange(0.0, self.until, 0.002)
+        trace = np.column_stack([times, 0.1 * times**2, np.sin(times), 0.3 * times])
+        return SimpleNamespace(trace=trace, parameters=parameters({"observation_delay.smoothing": TAU}))
+
+
+def seen_by_tracker(at: list[float]) -> np.ndarray:
+    world = Moving()
+    tracker = OverheadTracker(world, TrackerSettings(15.0, 0.0, 0.0, 0.0))
+    found = []
+    for world.until in at:
+        found += tracker.poses()
+    return np.array(found)
+
+
+def test_a_tracker_asked_often_sees_what_one_asked_once_does():
+    often, once = seen_by_tracker([2.0, 7.3, 15.0, 21.0, 40.0]), seen_by_tracker([40.0])
+    assert often == pytest.approx(once, abs=1e-9)
+
+
+def test_a_tracker_that_smooths_lags_behind_what_speeds_up():
+    t, x = seen_by_tracker([10.0])[-1, :2]
+    assert x == pytest.approx(0.1 * (t**2 - 2.0 * TAU * t + 2.0 * TAU**2), abs=1e-5)
+
+
+def test_a_filter_is_told_from_a_delay():
+    [belief] = judged(["command_delay", "observation_delay"], observation_delay__smoothing=TAU).named
+    assert (belief.name, belief.effect.hypothesis.closure) == ("observation_delay", "smoothed")
+    place = parameter_table().place("observation_delay.smoothing")
+    [(found, variance)] = [(x, v) for slot, x, v in belief.effect.fit.numbers() if slot.place == place]
+    assert found == pytest.approx(TAU, abs=3.0 * variance**0.5)
