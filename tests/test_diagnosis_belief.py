@@ -149,7 +149,9 @@ BARE = plain_model()
 def answered(monkeypatch: pytest.MonkeyPatch, outcome: str, effects: int, named: int, in_poses: bool):
     """What the judge decides after this answer, where the poses alone show it or not; and how often they were asked."""
     asked: list[object] = []
-    monkeypatch.setattr(decide, "shown_in_poses", lambda simulators, gates: asked.append(gates) or in_poses)
+    monkeypatch.setattr(
+        decide, "shown_in_poses", lambda simulators, gates, places: asked.append(gates) or in_poses
+    )
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
     model = plain_model(effects=tuple(range(effects)))
     answer = Decision(outcome, "because.", None, None, model, tuple(range(named)), (), None, None)  # type: ignore[arg-type]
@@ -242,7 +244,9 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     )  # type: ignore[arg-type]
     supports = tuple(support() for _ in beliefs)
     model = plain_model(effects=tuple(range(len(beliefs))), supports=supports, beliefs=beliefs)
-    monkeypatch.setattr(decide, "fit_base", lambda engine: SimpleNamespace(values=()))
+    monkeypatch.setattr(
+        decide, "fit_base_on_floor", lambda engine, places, needed: SimpleNamespace(values=())
+    )
     monkeypatch.setattr(decide, "situations_of", lambda simulators, values: ())
     monkeypatch.setattr(decide, "locate", lambda *given: SimpleNamespace(p_value=1.0))
     monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)

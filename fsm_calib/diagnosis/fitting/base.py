@@ -20,6 +20,11 @@ from fsm_calib.world2d.scale import SMALL, Scale
 SLIP_SPREAD = (
     0.006  # m/s: tyres of small robots differ by half of the default slip speed (benchmarks/rollout.py)
 )
+GRIP_SPREAD, LEAST_GRIP, MOST_GRIP = (
+    0.15,
+    0.1,
+    1.5,
+)  # 1: rubber on a wet or dusty floor to rubber on rubber; on dry hard ones 0.5 to 0.9
 AXLE_SPREAD = 0.05  # of the stated axle: a tape measures the track, tyres touch the floor a width beside it
 RADIUS_SPREAD = 0.05  # of the stated radius: tyres wear and are squeezed; the scale of measured wheel speeds
 FARTHEST = 4.0  # spreads: an axle or a wheel farther from the stated one is another physics, not a re-fit
@@ -70,6 +75,13 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
     centre, spread = scale.speed * float(values[slip.place]), scale.speed * SLIP_SPREAD
     slots.append(Slot(slip.place, 5e-4, slip.high, 2e-4, centre=centre, spread=spread))
     return tuple(slots)
+
+
+def grip_slot(values: FloatArray) -> Slot:
+    """Return the tyres' grip on the floor [1] about its nominal value: a number that no manifest states."""
+    slot = slot_of("friction")
+    centre = float(values[slot.place])
+    return replace(slot, low=LEAST_GRIP, high=MOST_GRIP, centre=centre, spread=GRIP_SPREAD)
 
 
 def turning_share(robot: RobotFacts, values: FloatArray) -> float:

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.candidates.tyre_grip import fit_base_on_floor
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gates import Gates, adequacy
@@ -23,17 +23,21 @@ from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
 from fsm_calib.diagnosis.shapes.score_tests import left_over
+from fsm_calib.world2d.effects import Effect
 
 OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn; not the wheels
 
 
-def shown_in_poses(simulators: Sequence[Simulator], gates: Gates) -> bool:
-    """Return whether poses alone differ from a base robot re-fitted to them; True where they cannot be asked alone."""
+def shown_in_poses(simulators: Sequence[Simulator], gates: Gates, places: Sequence[Effect] = ()) -> bool:
+    """Return whether poses alone differ from a base robot re-fitted to them; True where they cannot be asked alone.
+
+    places : effects of single places, which a smaller grip of the whole floor must not stand in for.
+    """
     prepared = [s.prepared for s in simulators]
     if not any(p.has_encoders for p in prepared) or not all(p.poses.placed for p in prepared):
         return True
     engine = Engine(tuple(without_encoders(s) for s in simulators))
-    base = fit_base(engine)
+    base = fit_base_on_floor(engine, places, gates.detect)
     if Remainder.of(engine, base).beside_of(())[0] > gates.nameless:
         return True
     groups = feature_groups(situations_of(engine.simulators, base.values))

@@ -1,0 +1,68 @@
+"""The grip of the tyres: free where the recordings ask for it, at its nominal value where nothing shows it."""
+
+import diagnosis_robots
+import pytest
+from diagnosis_robots import judged, recording
+
+from fsm_calib.diagnosis.candidates.tyre_grip import fit_base_on_floor
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.rollout import Drive
+
+NEEDED = 14.0
+SPOT = {"loss": 0.9, "x": 0.4, "y": 0.0, "radius": 0.4}
+
+
+def reversals(rng, duration=40.0):
+    """Return held commands that reverse at speeds at which tyres slip."""
+    time, left, right, at = [], [], [], 0.5
+    while at < duration:
+        u = rng.uniform(0.5, 1.0)
+        a, b = [(u, u), (-u, -u), (u, -u), (-u, u)][rng.integers(4)]
+        for pair, hold in (((a, b), 0.4), ((-a, -b), 0.4), ((0.0, 0.0), 0.3)):
+            time.append(at)
+            left.append(pair[0])
+            right.append(pair[1])
+            at += hold
+    return Drive(time, left, right)
+
+
+def grip_of(places=(), **changes):
+    """Return the fitted grip [1] and its standard deviation; None where it was held."""
+    engine = Engine(tuple(make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1)))
+    fit = fit_base_on_floor(engine, [registry()[name] for name in places], NEEDED)
+    place = parameter_table().place("friction")
+    found = [(value, variance**0.5) for slot, value, variance in fit.numbers() if slot.place == place]
+    return found[0] if found else None
+
+
+def test_a_floor_of_little_grip_shows_in_the_base_robot():
+    value, sd = grip_of(friction=0.3)
+    assert value == pytest.approx(0.3, abs=4.0 * sd)
+    assert sd < 0.01
+
+
+@pytest.mark.parametrize("grip", [0.6, 0.75, 0.9])
+def test_a_grip_that_no_drive_shows_is_held(grip):
+    assert grip_of(friction=grip) is None
+
+
+def test_a_slippery_spot_is_no_smaller_grip_of_the_whole_floor():
+    changes = {f"low_friction_patch__{name}": value for name, value in SPOT.items()}
+    assert grip_of(**changes) is not None
+    assert grip_of(["low_friction_patch"], **changes) is None
+
+
+def test_a_floor_of_little_grip_beside_a_place_is_free():
+    changes = {f"rough_floor_patch__{name}": value for name, value in {"x": 0.1, "y": 0.0}.items()}
+    changes |= {"rough_floor_patch__drag": 0.4, "friction": 0.3}
+    value, sd = grip_of(["rough_floor_patch"], **changes)
+    assert value == pytest.approx(0.3, abs=4.0 * sd)
+
+
+def test_a_floor_of_little_grip_is_no_limit_of_the_motors(monkeypatch):
+    monkeypatch.setattr(diagnosis_robots, "drive", reversals)
+    assert judged(["command_saturation", "motor_asymmetric_lag"], friction=0.5).outcome == "match"
