@@ -183,7 +183,14 @@ def test_two_effects_are_both_named():
 def test_an_effect_that_another_makes_needless_goes(tilted):
     engine, base, fit = tilted
     selector = Selector(
-        engine, base, [registry()["floor_tilt"], registry()["carpet_nap"]], 14.0, 0.01, 3.5, 4
+        engine,
+        base,
+        [registry()["floor_tilt"], registry()["carpet_nap"]],
+        14.0,
+        0.01,
+        3.5,
+        4,
+        np.random.default_rng(0),
     )
     (nap,) = Bank.on(engine, base).rank([registry()["carpet_nap"]])
     tilt = Ranked(Hypothesis("floor_tilt", ("slope_x", "slope_y")), fit, 0.0, 0.0)

@@ -109,6 +109,7 @@ class Judge:
             gates.further_share,
             gates.curious,
             gates.most,
+            self.rng,
             self.progress,
         )
         with self.part("catalogue"):

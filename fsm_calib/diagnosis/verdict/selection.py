@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct, Ranked, evidence_of, polished
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -24,7 +25,7 @@ from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
-from fsm_calib.diagnosis.proof.plausible import is_plausible, stands_out
+from fsm_calib.diagnosis.proof.plausible import is_crossed, is_plausible, stands_out
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
 from fsm_calib.diagnosis.shapes.score_tests import left_over
@@ -67,7 +68,7 @@ class Selector:
 
     needed : evidence that each effect must add to all the others; share : of what the first had alone that a further
     one must have; curious : -log10 p of what is left above which a further one is looked for; most : effects at most;
-    distinct : what the first round learns of the starts for the later ones.
+    rng : for the searches over the floor; distinct : what the first round learns of the starts for the later ones.
     """
 
     engine: Engine
@@ -77,6 +78,7 @@ class Selector:
     share: float
     curious: float
     most: int
+    rng: np.random.Generator
     progress: Progress = field(default=lambda part: None)
     distinct: Distinct = field(default_factory=dict)
 
@@ -130,7 +132,7 @@ class Selector:
         """
         best = self.grown(ranking)
         if len(best.effects) == 1:
-            return best
+            return self.weighed(best, 0.0)  # an effect too sure to be taken out to see may be what is left of two
         best = self.weighed(best, self._wanted(best))
         first, named = best.rankings[0][0], {e.name for e in best.effects}
         near = [
@@ -301,17 +303,23 @@ class Selector:
         return self.engine.fit(fit.values, fit.slots, fit.noise, steps=6)
 
     def _polish(self, ranking: list[Ranked], parent: Fit) -> list[Ranked]:
-        """Fit the leaders with fresh Jacobians; sort again."""
+        """Fit the leaders with fresh Jacobians, places where they are likeliest; sort again."""
         if not ranking:
             return ranking
-        names = noise_names(self.engine.simulators)
         limit = POLISH_SHARE * ranking[0].evidence
-        leaders = [
-            polished(self.engine, r, parent, names)
-            for r in ranking[:POLISHED]
-            if r.evidence >= max(limit, 0.0)
-        ]
+        leaders = [self._polished(r, parent) for r in ranking[:POLISHED] if r.evidence >= max(limit, 0.0)]
         return sorted(leaders + ranking[len(leaders) :], key=lambda r: -r.evidence)
+
+    def _polished(self, ranked: Ranked, parent: Fit) -> Ranked:
+        """Return a leader with fresh Jacobians, a place where it is likeliest and still one that is crossed.
+
+        What a place leaves beside its spot would be taken for further effects, a push more often than not.
+        """
+        names = noise_names(self.engine.simulators)
+        sought = replace(ranked, fit=placed(self.engine, ranked.fit, [ranked], self.rng))
+        return polished(
+            self.engine, sought if is_crossed(sought, self.engine.simulators) else ranked, parent, names
+        )
 
 
 def _own_evidence(fit: Fit, name: str) -> float:

@@ -1,0 +1,60 @@
+"""Which effects a model ends with: what is left of two, and where a place is before others join it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis_robots import recording
+
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.ranking import Ranked, evidence_of
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict import selection
+from fsm_calib.diagnosis.verdict.selection import Selection, Selector
+from fsm_calib.world2d.parameters import parameter_table
+
+SPOT = {"drag": 1.0, "x": 0.12, "y": 0.05, "half_x": 0.2, "half_y": 0.2, "roundness": 1.0}
+
+
+@pytest.fixture(scope="module")
+def selector():
+    drives = [recording(seed, **{f"rough_floor_patch__{k}": v for k, v in SPOT.items()}) for seed in (0, 1)]
+    engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
+    return Selector(engine, fit_base(engine), [], 14.0, 0.01, 3.5, 4, np.random.default_rng(0))
+
+
+def patch(selector, **changes):
+    """Return the patch with its true numbers but for `changes`, as a candidate on top of the base robot."""
+    numbers = {f"rough_floor_patch.{name}": value for name, value in (SPOT | changes).items()}
+    fit = replace(selector.base, values=with_values(selector.base.values, numbers))
+    fit = selector.engine.fit(fit.values, fit.slots, fit.noise, steps=2)
+    return Ranked(Hypothesis("rough_floor_patch", ("x", "y", "half_x", "half_y")), fit, 100.0, 50.0)
+
+
+def test_an_effect_that_is_left_of_two_is_weighed_against_the_base_robot(selector, monkeypatch):
+    spot = patch(selector)
+    alone = Selection((spot,), spot.fit, ((spot,), (spot,)), (spot.fit,))  # too sure to be taken out to see
+    monkeypatch.setattr(Selector, "grown", lambda self, ranking: alone)
+    found = selector.best_grown([spot])
+    assert found.dropped == (selector.base,)
+    assert found.effects[0].evidence == evidence_of(spot.fit, selector.base, selector.engine.count) > 100.0
+
+
+def test_a_place_is_sought_again_before_other_effects_join_it(selector):
+    beside = patch(selector, x=0.2, y=-0.02)
+    found = selector._polished(beside, selector.base)
+    numbers = dict(zip(parameter_table().names, found.fit.values[0], strict=True))
+    assert found.fit.score > beside.fit.score + 50.0
+    assert np.hypot(numbers["rough_floor_patch.x"] - 0.12, numbers["rough_floor_patch.y"] - 0.05) < 0.03
+
+
+def test_a_place_that_is_nowhere_crossed_is_not_taken_for_it(selector, monkeypatch):
+    spot = patch(selector)
+    far = replace(spot.fit, values=with_values(spot.fit.values, {"rough_floor_patch.x": 30.0}))
+    monkeypatch.setattr(selection, "placed", lambda engine, fit, effects, rng: far)
+    found = selector._polished(spot, selector.base)
+    assert found.fit.values[0, parameter_table().place("rough_floor_patch.x")] == pytest.approx(0.12, abs=0.1)
