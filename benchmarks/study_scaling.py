@@ -16,7 +16,8 @@ from pathlib import Path
 from statistics import mean
 
 from fsm_calib.report.study_files import costs_in
-from fsm_calib.study.fleet import CommandCost, Crew, run_fleet
+from fsm_calib.study.backends import Crew
+from fsm_calib.study.fleet import CommandCost, run_fleet
 from fsm_calib.study.models import Study
 from fsm_calib.study.store import result_of_row
 

@@ -70,6 +70,23 @@ def test_robots_that_are_there_are_not_found_out_again(robots, ran):
     assert (out / "robots" / "little.json").exists()
 
 
+def test_a_cluster_of_worker_processes_says_the_same_of_every_robot(robots, ran, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    settings = {"n_workers": 1, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+    with distributed.LocalCluster(**settings) as cluster:
+        address = cluster.scheduler_address
+        result = fleet(robots, "--out", tmp_path, "--backend", "dask", "--address", address)
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "fleet.csv").read_text() == (ran[1] / "fleet.csv").read_text()
+
+
+def test_a_back_end_that_there_is_not_is_wrong_use(robots, tmp_path):
+    result = fleet(robots, "--out", tmp_path / "out", "--backend", "spark")
+    assert result.exit_code == 2
+    assert "spark" in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
 def test_recording_that_changed_is_read_again(robots, tmp_path):
     assert fleet(robots / "left", "--out", tmp_path).exit_code == 0
     with (robots / "left" / "recording.yaml").open("a") as file:

@@ -15,8 +15,8 @@ from ros_rig import until
 from study_tiny import KILLER, marks, results, study
 
 from fsm_calib.errors import InputError
-from fsm_calib.study.backends import check_backend
-from fsm_calib.study.fleet import Crew, run_fleet
+from fsm_calib.study.backends import Crew, check_backend
+from fsm_calib.study.fleet import run_fleet
 from fsm_calib.study.models import Study
 from fsm_calib.study.store import Store
 
@@ -105,7 +105,8 @@ COMMAND = """
 import sys
 from pathlib import Path
 import study_tiny
-from fsm_calib.study.fleet import Crew, run_fleet
+from fsm_calib.study.backends import Crew
+from fsm_calib.study.fleet import run_fleet
 if __name__ == "__main__":
     run_fleet(study_tiny.study(), Path(sys.argv[1]), Crew("loky", 2), trial=study_tiny.held)
 """

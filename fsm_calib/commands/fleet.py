@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fsm_calib.commands.options import EffectsOption
+from fsm_calib.commands.options import AddressOption, BackendOption, EffectsOption, JobsOption
 from fsm_calib.errors import DataError, InputError, shown_lines
 
 DEFAULT_OUT = Path("out") / "fleet"
@@ -24,15 +24,15 @@ def fleet_command(
         list[str],
         typer.Argument(metavar="BAG_OR_DIR...", help="A robot each, or a folder of robots' folders."),
     ],
-    jobs: Annotated[
-        int | None, typer.Option(help="Robots at a time (default: all cores).", show_default=False)
-    ] = None,
+    jobs: JobsOption = None,
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="Where files go; what is there goes on.")
     ] = DEFAULT_OUT,
     diagnose: Annotated[
         bool, typer.Option("--diagnose", help="Also say what each robot has that the base lacks.")
     ] = False,
+    backend: BackendOption = "loky",
+    address: AddressOption = None,
     effects: EffectsOption = None,
 ) -> None:
     """Identify many robots: who pulls where, worst first, as a page and a table; a killed command goes on."""
@@ -40,14 +40,15 @@ def fleet_command(
     from fsm_calib.fleet.run import run_robots
     from fsm_calib.progress.fleet import FleetBar, real_name
     from fsm_calib.report.fleet import write_fleet
+    from fsm_calib.study.backends import crew_of
     from fsm_calib.study.interrupts import interrupted_by_signals
 
-    robots = robots_in(places)
+    robots, crew = robots_in(places), crew_of(backend, jobs, address)
     if out.exists() and not out.is_dir():
         raise InputError("the fleet needs a folder, this is a file", where=str(out))
     try:
         with FleetBar(real_name) as bar, interrupted_by_signals():
-            rows = run_robots(robots, out, bar, diagnosed=diagnose, jobs=jobs)
+            rows = run_robots(robots, out, bar, diagnosed=diagnose, crew=crew)
     except KeyboardInterrupt as stopped:
         raise DataError(f"stopped by {stopped}", cure="Give the same command to go on.") from stopped
     written = write_fleet(rows, out)

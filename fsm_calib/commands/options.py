@@ -50,6 +50,15 @@ def machinery_of(file: Path | None) -> Machinery:
     return CALIBRATION
 
 
+JobsOption = Annotated[
+    int | None, typer.Option("--jobs", help="Robots at a time (default: all cores).", show_default=False)
+]
+BackendOption = Annotated[str, typer.Option("--backend", help="loky, threading, dask or ray.")]
+AddressOption = Annotated[
+    str | None, typer.Option("--address", help="Scheduler of a Dask or Ray cluster.", show_default=False)
+]
+"""Where many robots are worked on; `study.backends.crew_of` checks them."""
+
 EffectsOption = Annotated[
     list[Path] | None,
     typer.Option(

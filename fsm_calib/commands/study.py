@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fsm_calib.commands.options import EffectsOption
+from fsm_calib.commands.options import AddressOption, BackendOption, EffectsOption, JobsOption
 from fsm_calib.errors import DataError, InputError
 
 if TYPE_CHECKING:
@@ -27,19 +27,15 @@ def study(
     robots: Annotated[
         int | None, typer.Option(help="Another number of robots than the file's.", show_default=False)
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option(help="Robots at a time (default: all cores).", show_default=False)
-    ] = None,
+    jobs: JobsOption = None,
     out: Annotated[
         Path | None,
         typer.Option(
             help="Where files go (default: out/study/NAME); what is there goes on.", show_default=False
         ),
     ] = None,
-    backend: Annotated[str, typer.Option(help="loky, threading, dask or ray.")] = "loky",
-    address: Annotated[
-        str | None, typer.Option(help="Scheduler of a Dask or Ray cluster.", show_default=False)
-    ] = None,
+    backend: BackendOption = "loky",
+    address: AddressOption = None,
     page: Annotated[
         Path | None,
         typer.Option(help="Also renew this study's section of a Markdown page.", show_default=False),
@@ -50,22 +46,18 @@ def study(
     from fsm_calib.progress.fleet import FleetBar, studied_name
     from fsm_calib.report.study_files import write_page, write_study
     from fsm_calib.shipped import scenario_path
-    from fsm_calib.study.backends import BACKENDS, check_backend
-    from fsm_calib.study.fleet import Crew, run_fleet
+    from fsm_calib.study.backends import crew_of
+    from fsm_calib.study.fleet import run_fleet
     from fsm_calib.study.interrupts import interrupted_by_signals
     from fsm_calib.study.load import load_study
     from fsm_calib.study.summary import summarise
 
-    chosen = next((name for name in BACKENDS if name == backend), None)
-    if chosen is None:
-        cure = f"Give one of {', '.join(BACKENDS)}."
-        raise InputError(f"there is no back end {backend!r}", where="--backend", cure=cure)
     loaded = with_robots(load_study(scenario_path(scenario)), robots)
-    check_backend(chosen, address, jobs)
+    crew = crew_of(backend, jobs, address)
     directory = out or DEFAULT_OUT / loaded.name
     try:
         with FleetBar(studied_name) as bar, interrupted_by_signals():
-            store = run_fleet(loaded, directory, Crew(chosen, jobs, address), bar)
+            store = run_fleet(loaded, directory, crew, bar)
     except KeyboardInterrupt as stopped:
         raise DataError(f"stopped by {stopped}", cure="Give the same command to go on.") from stopped
     summary = summarise(loaded, store.rows.values())

@@ -12,7 +12,7 @@ from fsm_calib.errors import DataError
 from fsm_calib.fleet.folders import RobotFiles
 from fsm_calib.fleet.robot import robot_row
 from fsm_calib.journal import write_atomically
-from fsm_calib.study.backends import check_backend, death_errors, end_local_workers, results_of, workers
+from fsm_calib.study.backends import Backend, Crew, death_errors, end_local_workers, results_of, workers
 from fsm_calib.study.orphans import end_with
 
 ROWS = "robots"
@@ -38,20 +38,21 @@ def run_robots(
     watcher: Watcher,
     *,
     diagnosed: bool = False,
-    jobs: int | None = None,
+    crew: Crew | None = None,
 ) -> list[Row]:
     """Return the rows of all robots, worst first; those that `directory` holds already are not found out again.
 
-    A row is kept where it answers the same question about files that have not changed; an error is tried again.
+    A row is kept where it answers the same question about files that have not changed; an error is tried again. On a
+    cluster, the workers must see the recordings under the same paths.
 
     Raises
     ------
     DataError
         A worker process died.
     InputError
-        `jobs` is below one.
+        No cluster answers.
     """
-    check_backend("loky", None, jobs)
+    crew = crew or Crew()
     (directory / ROWS).mkdir(parents=True, exist_ok=True)
     rows, calls = [], []
     for robot in robots:
@@ -62,13 +63,15 @@ def run_robots(
         else:
             rows.append(kept)
     if calls:
-        with workers("loky", jobs, None) as count:
+        with workers(crew.backend, crew.jobs, crew.address) as count:
             watcher.begin(len(rows), len(robots), count)
-            rows += _found_out(calls, directory / ROWS, count, watcher)
+            rows += _found_out(calls, directory / ROWS, crew.backend, count, watcher)
     return sorted(rows, key=worst_first)
 
 
-def _found_out(calls: list[tuple[Any, ...]], folder: Path, count: int, watcher: Watcher) -> list[Row]:
+def _found_out(
+    calls: list[tuple[Any, ...]], folder: Path, backend: Backend, count: int, watcher: Watcher
+) -> list[Row]:
     rows = []
     try:
         for row in results_of(work, calls, count):
@@ -76,11 +79,12 @@ def _found_out(calls: list[tuple[Any, ...]], folder: Path, count: int, watcher: 
             write_atomically(folder / f"{row['robot']}.json", text.encode())
             rows.append(row)
             watcher.row(row)
-    except death_errors("loky") as error:
+    except death_errors(backend) as error:
         cure = "Give the same command with a smaller --jobs: it goes on with the robots that are left."
         raise DataError("a worker process died, as it does when memory runs out", cure=cure) from error
     except BaseException:
-        end_local_workers()
+        if backend == "loky":
+            end_local_workers()
         raise
     return rows
 

@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Literal
 
@@ -30,6 +31,31 @@ ROUND = 4
 """Calls for each worker in one list, where a back end hands back whole lists [1]."""
 SENT_AHEAD = 2
 """Calls that wait at the workers [1]: few, so that a command that is killed leaves little behind."""
+
+
+@dataclass(frozen=True, slots=True)
+class Crew:
+    """Who does the work: back end, robots at a time (None: all cores or workers), address of the cluster."""
+
+    backend: Backend = "loky"
+    jobs: int | None = None
+    address: str | None = None
+
+
+def crew_of(backend: str, jobs: int | None, address: str | None) -> Crew:
+    """Return who does the work, as the options of a command say it; refuse what cannot work (`check_backend`).
+
+    Raises
+    ------
+    InputError
+        For a back end that there is not, too.
+    """
+    chosen = next((name for name in BACKENDS if name == backend), None)
+    if chosen is None:
+        cure = f"Give one of {', '.join(BACKENDS)}."
+        raise InputError(f"there is no back end {backend!r}", where="--backend", cure=cure)
+    check_backend(chosen, address, jobs)
+    return Crew(chosen, jobs, address)
 
 
 def local_cores() -> int:

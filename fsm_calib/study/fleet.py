@@ -21,7 +21,7 @@ from typing import Any, Protocol
 
 from fsm_calib.errors import InputError
 from fsm_calib.journal import write_atomically
-from fsm_calib.study.backends import Backend, death_errors, end_local_workers, results_of, workers
+from fsm_calib.study.backends import Backend, Crew, death_errors, end_local_workers, results_of, workers
 from fsm_calib.study.load import study_text
 from fsm_calib.study.models import Study
 from fsm_calib.study.pace import Pace, Work, stages_of
@@ -70,15 +70,6 @@ class Unwatched:
 
     def death(self, suspects: list[str]) -> None:
         """Do nothing."""
-
-
-@dataclass(frozen=True, slots=True)
-class Crew:
-    """Who does the work: back end, robots at a time (None: all cores or workers), address of the cluster."""
-
-    backend: Backend = "loky"
-    jobs: int | None = None
-    address: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

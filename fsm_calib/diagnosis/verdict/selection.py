@@ -132,7 +132,9 @@ class Selector:
         """
         best = self.grown(ranking)
         if len(best.effects) == 1:
-            return self.weighed(best, 0.0)  # an effect too sure to be taken out to see may be what is left of two
+            return self.weighed(
+                best, 0.0
+            )  # an effect too sure to be taken out to see may be what is left of two
         best = self.weighed(best, self._wanted(best))
         first, named = best.rankings[0][0], {e.name for e in best.effects}
         near = [
