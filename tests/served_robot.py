@@ -26,12 +26,12 @@ def served_dtps(scenario: Scenario, **settings: float) -> Iterator[tuple[DtpsSer
         make_world(world_of(scenario)), robot, "127.0.0.1", port, "duckie", encode_jpeg, lockstep=True
     )
     try:
-        yield node, _for_client(scenario, f"dtps://127.0.0.1:{port}/duckie")
+        yield node, for_client(scenario, f"dtps://127.0.0.1:{port}/duckie")
     finally:
         node.close()
 
 
-def _for_client(scenario: Scenario, address: str) -> Scenario:
+def for_client(scenario: Scenario, address: str) -> Scenario:
     """Return the scenario of a client in lockstep."""
     real = with_robot(scenario, address).robot
     link = real.link.model_copy(update={"lockstep": True})
@@ -44,6 +44,6 @@ def served(scenario: Scenario, master: str, **settings: float) -> Iterator[tuple
     robot = dataclasses.replace(ServeSettings(), **settings)
     node = ServedNode(make_world(world_of(scenario)), robot, master, "duckie", encode_jpeg, lockstep=True)
     try:
-        yield node, _for_client(scenario, master.replace("http", "ros1") + "duckie")
+        yield node, for_client(scenario, master.replace("http", "ros1") + "duckie")
     finally:
         node.close()

@@ -103,6 +103,8 @@ class ServiceType:
 
 
 EMPTY_SERVICE = ServiceType("std_srvs/Empty", hashlib.md5(b"", usedforsecurity=False).hexdigest())
+UPDATE_SERVICE = ServiceType("duckietown_msgs/NodeRequestParamsUpdate", "*")
+"""A parameter's name in, a bool out; its md5 is not the same in all versions, and ROS takes any."""
 
 
 @lru_cache

@@ -106,6 +106,11 @@ class Node:
             raise LinkLost(f"the service {name} failed: {body.decode(errors='replace')}")
         return body
 
+    def is_offered(self, name: str) -> bool:
+        """Tell whether any node offers a service."""
+        _, _, services = self.master.call("getSystemState", self.name)
+        return any(offered == name for offered, _ in services)
+
     def publishers_of(self, topic: str) -> tuple[str, ...]:
         """Return the names of the nodes that publish a topic, as the master knows them."""
         published, _, _ = self.master.call("getSystemState", self.name)

@@ -11,6 +11,7 @@ from fsm_calib.errors import LinkLost
 from fsm_calib.robots.ros1.messages import (
     CAMERA_INFO,
     EMPTY_SERVICE,
+    UPDATE_SERVICE,
     header,
     message_type,
     set_camera_info_service,
@@ -48,11 +49,22 @@ def _store_wheels(node: Node, topics: Topics, wheels: WheelCalibration) -> None:
     wanted = {"gain": wheels.gain, "trim": wheels.trim}
     for name, value in wanted.items():
         node.master.call("setParam", node.name, f"{topics.kinematics}/{name}", float(value))
+        _make_known(node, topics, f"{topics.kinematics}/{name}")
     node.call_service(topics.save_calibration, EMPTY_SERVICE, b"")
     for name, value in wanted.items():
         read = float(node.master.call("getParam", node.name, f"{topics.kinematics}/{name}"))
         if abs(read - value) > TOLERANCE:
             raise LinkLost(f"{topics.kinematics}/{name} is {read}, not {value}", cure="Set it by hand.")
+
+
+def _make_known(node: Node, topics: Topics, parameter: str) -> None:
+    """Have the kinematics node read a parameter now.
+
+    The master tells it of a change a moment later, and some of Duckietown's versions save what they were told last.
+    """
+    if node.is_offered(topics.update_parameters):
+        name = parameter.encode()
+        node.call_service(topics.update_parameters, UPDATE_SERVICE, struct.pack("<I", len(name)) + name)
 
 
 def _store_camera(node: Node, topics: Topics, camera: CameraModel) -> None:

@@ -30,6 +30,7 @@ NAMES = {
     "right_tick": "right_wheel_encoder_node/tick",
     "kinematics": "kinematics_node",
     "save_calibration": "kinematics_node/save_calibration",
+    "update_parameters": "kinematics_node/request_parameters_update",
     "tracker": "tracker/pose",
     "mode": "fsm_calib/mode",
     "state": "fsm_calib/state",
