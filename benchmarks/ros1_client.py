@@ -3,8 +3,8 @@
     python benchmarks/ros1_client.py --seconds 30
 
 Debian's master; one publisher (this project's) sends a frame of 48 kB thirty times a second; both clients listen to it at
-the same time, each a process of its own. rospy runs under Debian's python3 (apt-get install ros-core python3-sensor-msgs).
-Latency is from the stamp, just before sending, to the listener's call with the image's bytes at hand; the cost is the
+the same time, each a process of its own, in turn the first that is served. rospy runs under Debian's python3 (apt-get install
+ros-core python3-sensor-msgs). Latency is from the stamp, just before sending, to the listener's call with the image's bytes at hand; the cost is the
 processor time of the client's whole process after its first frame.
 """
 
@@ -82,6 +82,7 @@ def publish(master: str, seconds: float, listeners: int) -> int:
     begin, sent = time.monotonic(), 0
     while (now := time.monotonic() - begin) < seconds:
         time.sleep(max(sent / RATE - now, 0.0))
+        publisher._links.reverse()  # in turn: who is served second waits for the first
         publisher.publish(kind.stamped(time.time(), sent, format="jpeg", data=data))
         sent += 1
     time.sleep(1.0)

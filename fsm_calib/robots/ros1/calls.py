@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
 import socket
 import threading
@@ -77,7 +78,14 @@ class CallServer(ThreadingMixIn, SimpleXMLRPCServer):
     def __init__(self, host: str, port: int, instance: object) -> None:
         super().__init__((host, port), requestHandler=_Handler, logRequests=False, allow_none=True)
         self.register_instance(instance)
-        threading.Thread(target=self.serve_forever, args=(0.05,), daemon=True, name="xmlrpc").start()
+        self._ending = False
+        self._thread = threading.Thread(target=self._serve, daemon=True, name="xmlrpc")
+        self._thread.start()
+
+    def _serve(self) -> None:
+        """Answer one call after the other; between two nothing wakes up, which would hold up a message."""
+        while not self._ending:
+            self.handle_request()
 
     @property
     def port(self) -> int:
@@ -85,8 +93,11 @@ class CallServer(ThreadingMixIn, SimpleXMLRPCServer):
         return int(self.server_address[1])
 
     def close(self) -> None:
-        """End it."""
-        self.shutdown()
+        """End it: a connection of our own wakes the thread that waits for one."""
+        self._ending = True
+        with contextlib.suppress(OSError):
+            socket.create_connection((str(self.server_address[0]), self.port), timeout=TIMEOUT).close()
+        self._thread.join(TIMEOUT)
         self.server_close()
 
 
