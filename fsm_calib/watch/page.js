@@ -176,7 +176,21 @@ document.addEventListener("keydown", key => {
   if (key.key === "ArrowLeft") { play(false); page.live = false; show(page.at - 1); }
 });
 
-// ---- news: events as they come; a page that is behind asks for what it missed
+// ---- news: events as they come; a page that is behind asks for what it missed, and draws the newest only
+async function catchUp() {
+  if (page.catching) return;
+  page.catching = true;
+  try {
+    while (page.live && page.at < page.events.length - 1) {
+      page.pictures = await json("pictures.json");
+      await new Promise(requestAnimationFrame);
+      if (page.live) show(page.events.length - 1);
+    }
+  } finally {
+    page.catching = false;
+  }
+}
+
 function listen() {
   const news = new EventSource("stream");
   news.addEventListener("events", async message => {
@@ -184,9 +198,7 @@ function listen() {
     if (from > page.events.length) page.events = await json("events.json");
     else page.events = page.events.slice(0, from).concat(events);
     byId("slider").max = total - 1;
-    if (!page.live) return;
-    page.pictures = await json("pictures.json");
-    show(page.events.length - 1);
+    if (page.live) catchUp();
   });
   news.addEventListener("again", () => location.reload());
   news.addEventListener("result", message => {
