@@ -55,7 +55,7 @@ def _grid(scene: SceneSpec, dx: float, dy: float, scale: float) -> Content:
 def _names(scene: SceneSpec, scale: float) -> Content:
     """Return the numbers of boards and of the tags at the ends of rows."""
     content: Content = [
-        Words(MM * board.x - 150.0, MM * board.y - 1.0 / scale, f"board {number}", 2.6, "right")
+        Words(MM * board.x, MM * board.y - 0.9 / scale, f"board {number}", 2.4, "middle")
         for number, board in enumerate(scene.boards)
     ]
     tags = placed_tags(scene)
@@ -63,7 +63,7 @@ def _names(scene: SceneSpec, scale: float) -> Content:
         content.append(
             Words(MM * tag.pose.x, MM * tag.pose.y + 52.0, str(tag.number), 1.7, "middle", "#333333")
         )
-    content.append(Words(10.0, -12.0 / scale * 0.35, "start", 2.4))
+    content.append(Words(0.0, -4.2 / scale, "start", 2.4, "middle"))
     return content
 
 
