@@ -29,6 +29,8 @@ REMEMBERED = 4  # filters at so many noises
 NEGLIGIBLE = 0.01  # log-likelihood units: a fit that may be given up does not try a step that promises less
 OPTIMISM = 3.0  # a fit is given up where even so many times the promise of its step would not fulfil its hope
 TRUSTED = 0.6  # a Jacobian whose promise came true to this share serves for the next step, too (chord method)
+LEAST_DAMPING = 1e-6  # of the normal equations' diagonal
+DAMPED = 5  # steps that are tried, each shorter than the one before
 PATIENCE = 2  # steps within which a fit must show that it gets anywhere
 
 
@@ -143,6 +145,17 @@ class WhiteKnown:
 
 
 @dataclass(frozen=True, eq=False)
+class Point:
+    """Where a fit stands: parameters (R, p), those of its slots (m,), what they simulate, leave (N,) and score."""
+
+    values: FloatArray
+    numbers: FloatArray
+    simulated: tuple[FloatArray, ...]
+    residual: FloatArray
+    score: float
+
+
+@dataclass(frozen=True, eq=False)
 class Engine:
     """The recordings of one robot and how to fit them.
 
@@ -237,64 +250,68 @@ class Engine:
         all columns at the end, for the covariance; hope : a score that must be passed within `PATIENCE` steps, else
         the fit is given up; linear : the model is nearly linear here, so that what a step promises may end it at once.
         """
-        slots = tuple(slots)
-        whiteners = self.whiteners(noise)
-        numbers = slot_numbers(values, slots)
-        simulated = simulate_all(self.simulators, values)
-        residual, here = self.judged(whiteners, simulated)
-        here += log_prior(slots, numbers)
+        slots, whiteners = tuple(slots), self.whiteners(noise)
+        here = self._point(whiteners, values, slots, slot_numbers(values, slots))
         fixed = self._white_known(whiteners, known)
         first = 0 if fixed is None else fixed.shape[1]
         normal = np.eye(len(slots))
         raw: tuple[FloatArray, ...] = ()
         white, shared = np.empty((0, 0)), known if first and known else None
-        damping, fresh = 1e-6, False
+        damping, fresh = LEAST_DAMPING, False
         for iteration in range(steps):
             if not fresh:
-                raw = jacobian(self.simulators, values, slots[first:], simulated)
+                raw = jacobian(self.simulators, here.values, slots[first:], here.simulated)
                 white = self.white_columns(whiteners, raw)
                 white = white if fixed is None else np.hstack([fixed, white])
             here_fresh, fresh = not fresh, True
-            normal, gradient = normal_equations(white, residual, slots, numbers, self.nu)
-            better, tried = None, damped_step(normal, gradient, damping, slots, numbers)
-            won = promised(normal, gradient, tried - numbers)
-            settled = hope > -np.inf and won < NEGLIGIBLE and not clipped(slots, numbers, tried)
-            if settled or (linear and here + OPTIMISM * won < hope):
+            normal, gradient = normal_equations(white, here.residual, slots, here.numbers, self.nu)
+            tried = damped_step(normal, gradient, damping, slots, here.numbers)
+            won = promised(normal, gradient, tried - here.numbers)
+            settled = hope > -np.inf and won < NEGLIGIBLE and not clipped(slots, here.numbers, tried)
+            if settled or (linear and here.score + OPTIMISM * won < hope):
                 break
-            for _ in range(5):
-                candidate = with_slots(values, slots, tried)
-                there_simulated = simulate_all(self.simulators, candidate)
-                there_residual, there = self.judged(whiteners, there_simulated)
-                there += log_prior(slots, tried)
-                if there > here:
-                    better = (candidate, tried, there_simulated, there_residual, there)
-                    damping = max(damping * 0.1, 1e-6)
-                    break
-                damping = max(damping * 30.0, 1e-3)
-                tried = damped_step(normal, gradient, damping, slots, numbers)
-            gain = 0.0 if better is None else better[4] - here
-            if better is not None:
-                values, numbers, simulated, residual, here = better
-            if (gain < SMALL_GAIN and here_fresh) or (iteration + 1 >= PATIENCE and here < hope):
+            there, damping = self._uphill(whiteners, here, slots, (normal, gradient), damping)
+            gain, here = there.score - here.score, there
+            if (gain < SMALL_GAIN and here_fresh) or (iteration + 1 >= PATIENCE and here.score < hope):
                 break
             fresh = TRUSTED * won < gain < won / TRUSTED
         if refresh or not raw:
-            raw = jacobian(self.simulators, values, slots, simulated)
+            raw = jacobian(self.simulators, here.values, slots, here.simulated)
             white = self.white_columns(whiteners, raw)
-            normal, _ = normal_equations(white, residual, slots, numbers, self.nu)
+            normal, _ = normal_equations(white, here.residual, slots, here.numbers, self.nu)
             shared = None
-        prior = log_prior(slots, numbers)
+        prior = log_prior(slots, here.numbers)
         covariance: FloatArray = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=float)
-        return Fit(
-            values,
-            slots,
-            noise,
-            here - prior,
-            prior,
-            covariance,
-            simulated,
-            (raw,) if shared is None else (shared, raw),
-        )
+        parts = (raw,) if shared is None else (shared, raw)
+        return Fit(here.values, slots, noise, here.score - prior, prior, covariance, here.simulated, parts)
+
+    def _point(
+        self, whiteners: Sequence[Whitener], values: FloatArray, slots: Sequence[Slot], numbers: FloatArray
+    ) -> Point:
+        """Return what a fit knows at `values` (R, p), whose slots hold `numbers` (m,)."""
+        simulated = simulate_all(self.simulators, values)
+        residual, likelihood = self.judged(whiteners, simulated)
+        return Point(values, numbers, simulated, residual, likelihood + log_prior(slots, numbers))
+
+    def _uphill(
+        self,
+        whiteners: Sequence[Whitener],
+        here: Point,
+        slots: Sequence[Slot],
+        equations: tuple[FloatArray, FloatArray],
+        damping: float,
+    ) -> tuple[Point, float]:
+        """Return the first higher point along steps that are damped more and more, and the damping of the next step.
+
+        equations : normal matrix and gradient. Where no step leads higher that is the point itself.
+        """
+        for _ in range(DAMPED):
+            tried = damped_step(*equations, damping, slots, here.numbers)
+            there = self._point(whiteners, with_slots(here.values, slots, tried), slots, tried)
+            if there.score > here.score:
+                return there, max(damping * 0.1, LEAST_DAMPING)
+            damping = max(damping * 30.0, 1e-3)
+        return here, damping
 
     def at_noise(self, fit: Fit, noise: Noise) -> Fit:
         """Return the same parameters under another noise."""
