@@ -52,6 +52,24 @@ def test_law_changes_what_is_seen(item: Law) -> None:
     assert effect.sizes
 
 
+@pytest.mark.parametrize("name", ["gritty", "stuck_swivel"])
+def test_a_caster_takes_energy_from_the_robot(name: str) -> None:
+    [item] = [law for law in LAWS["caster_drag"] if law.name == name]
+    bench = bench_of(item)
+    others = len(bench.setup("run-a", []).hooks)
+    [caster] = bench.setup("run-a", [Effect(item, 1.0, 5)]).hooks[others:]
+    rng, power = np.random.default_rng(4), []
+    for step in range(2000):
+        state = np.concatenate(
+            [rng.uniform(-3.0, 3.0, 3), rng.normal(size=2) * 0.3, rng.normal(size=1) * 3.0]
+        )
+        force = np.zeros(3)
+        caster(0.01 * step, state, force)
+        power.append(force @ state[3:])
+    assert max(power) <= 1e-9
+    assert min(power) < -1e-3
+
+
 def test_every_label_has_two_laws_and_every_law_a_source() -> None:
     assert {label for label, laws in LAWS.items() if len(laws) < 2} == set()
     assert all(item.apply.__doc__ for item in ALL)

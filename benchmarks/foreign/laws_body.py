@@ -83,7 +83,9 @@ def gritty(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
 
 @law("caster_drag", "stuck_swivel", PUSHED, most=8)
 def stuck_swivel(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
-    """The fork sticks where it was until the robot has run some way: a sideways force until it has come about."""
+    """The fork sticks where it was until the robot has run some way: its wheel is dragged sideways until it has come
+    about, and rolls along it meanwhile.
+    """
     arm = setup.body["caster_x"]
     force, way = 0.04 * s * setup.weight, 0.5 * abs(arm)
     fork = [0.0, -1.0]  # direction of the fork in the body, last time
@@ -99,9 +101,9 @@ def stuck_swivel(setup: Setup, s: float, rng: np.random.Generator) -> Sizes:
         wrong = np.angle(np.exp(1j * (np.arctan2(side, along) - fork[0]))) if speed > 1e-3 else 0.0
         fork[0] += wrong * min(1.0, speed * 0.01 / way)
         push = -force * np.sin(wrong) * np.tanh(speed / 0.02)
-        axis = fork[0] + np.pi / 2
-        bx, by = -push * np.cos(axis), -push * np.sin(axis)
-        bx -= 0.3 * force * np.tanh(speed / 0.02) * np.cos(fork[0]) * np.cos(wrong)
+        roll = -0.3 * force * np.cos(wrong) * np.tanh(speed / 0.02)
+        bx = roll * np.cos(fork[0]) - push * np.sin(fork[0])
+        by = roll * np.sin(fork[0]) + push * np.cos(fork[0])
         hook[FX] += bx * np.cos(theta) - by * np.sin(theta)
         hook[FY] += bx * np.sin(theta) + by * np.cos(theta)
         hook[MZ] += arm * by

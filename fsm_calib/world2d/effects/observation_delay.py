@@ -1,12 +1,13 @@
 r"""Poses are stamped later than they were, or lag behind because the tracker smooths them.
 
-    pose(t) = h(s(t - delay)),        smoothing ds/dt = x - s
+    pose(t) = h(s(t - delay + smoothing)),        smoothing ds/dt = x - s
 
-x the robot's pose, s what a filter of first order makes of it; delay [s]: exposure, transport and processing before the
-stamp; smoothing [s]: the filter's time constant, 0 for none. Both hold a slow robot's poses back by their sum; the
-filter rounds what is quick, too. Wheel encoders are not concerned. Sources: cameras on Wi-Fi robots, 20 to 120 ms
-(assumed); temporal calibration after Rehder et al., ICRA 2016 (Kalibr); exponential smoothing of tracked poses:
-LaViola, Double Exponential Smoothing: an Alternative to Kalman Filter-based Predictive Tracking, EGVE 2003.
+x the robot's pose, s what a filter of first order makes of it; delay [s]: how late steady motion is reported, by
+exposure, transport, processing and the filter together; smoothing [s]: the filter's time constant, 0 for none. A filter
+that looks ahead (one that runs afterwards) is smoothing without delay. Wheel encoders are not concerned. Sources:
+cameras on Wi-Fi robots, 20 to 120 ms (assumed); temporal calibration after Rehder et al., ICRA 2016 (Kalibr);
+exponential smoothing of tracked poses: LaViola, Double Exponential Smoothing: an Alternative to Kalman Filter-based
+Predictive Tracking, EGVE 2003.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from fsm_calib.world2d.effects.effect import LEAST_DELAY, Closure, Effect, Param
 
 def lag(p: FloatArray, t: FloatArray) -> FloatArray:
     """Return the robot's time [s] of stamps t [s]."""
-    return t - p[0]
+    return t - p[0] + p[1]
 
 
 def filtered(p: FloatArray, t: FloatArray, poses: FloatArray) -> FloatArray:
@@ -44,7 +45,7 @@ EFFECT = Effect(
     name="observation_delay",
     family="timing",
     summary="poses are stamped late",
-    equation="pose(t) = h(s(t - delay)), smoothing ds/dt = x - s",
+    equation="pose(t) = h(s(t - delay + smoothing)), smoothing ds/dt = x - s",
     parameters=(
         Parameter(
             "delay",
@@ -84,8 +85,8 @@ EFFECT = Effect(
         Closure(
             "smoothed",
             ("delay", "smoothing"),
-            "a filter behind the sensor holds poses back, too",
-            sentence="Poses are stamped {delay} late and smoothed over {smoothing}.",
+            "a filter behind the sensor takes part of it",
+            sentence="Poses are {delay} late, of which smoothing takes {smoothing}.",
             source="LaViola, EGVE 2003",
         ),
     ),
