@@ -10,12 +10,32 @@ import re
 from pathlib import Path
 
 import typer.main
+from markdown.extensions.toc import slugify
 from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).parents[1]
 LINK = re.compile(r"(!?\[[^\]]*\]\()([^)\s#]+)([^)\s]*\))")
 ALWAYS = ("CHANGELOG.md", "diagrams/README.md")
 HELP_PAGE = "commands.md"
+
+
+def on_config(config):
+    """Give every heading an anchor that begins with a letter: the theme looks for them as CSS selectors."""
+    config.mdx_configs["toc"]["slugify"] = _anchor
+    return config
+
+
+def _anchor(heading: str, separator: str) -> str:
+    """Return a heading's anchor."""
+    found = slugify(heading, separator)
+    return found if not found[:1].isdigit() else f"step{separator}{found}"
+
+
+def on_post_page(output: str, **_) -> str:
+    """Add what the theme's switch of day and night looks for where no code is coloured; without it, it gives up."""
+    return output.replace(
+        "</head>", '<style id="hljs-light"></style><style id="hljs-dark"></style></head>', 1
+    )
 
 
 def on_files(files: Files, config) -> Files:

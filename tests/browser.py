@@ -44,9 +44,10 @@ TOLD = re.compile(r'<pre id="told">(.*?)</pre>', re.DOTALL)
 CONSOLE = re.compile(r":CONSOLE[:(].*?(?:Uncaught|Error|Refused|Failed).*")
 
 
-def faults(pages: Mapping[str, str], folder: Path) -> list[str]:
+def faults(pages: Mapping[str, str], folder: Path, address: str | None = None) -> list[str]:
     """Return what is wrong with pages, given by name, in a browser at both widths, by day and at night.
 
+    `address` is where the folder is served, for pages that need a server.
     Looked for: scrolling sideways, text that is cut, contrast below WCAG's AA, errors of scripts (`page_probe.js`).
     """
     frames = []
@@ -61,16 +62,19 @@ def faults(pages: Mapping[str, str], folder: Path) -> list[str]:
     whole = folder / "all.html"
     whole.write_text(f'<!doctype html><pre id="told"></pre>{script}{"".join(frames)}', encoding="utf-8")
     return [
-        f"{scheme}: {fault}" for scheme in ("dark", "light") for fault in _told(whole, scheme, len(frames))
+        f"{scheme}: {fault}"
+        for scheme in ("dark", "light")
+        for fault in _told(whole, address or folder.as_uri(), scheme, len(frames))
     ]
 
 
-def _told(whole: Path, scheme: str, count: int) -> list[str]:
+def _told(whole: Path, address: str, scheme: str, count: int) -> list[str]:
     """Return the faults that the frames of a page told, and what the console said."""
     command = [
         PROGRAM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={whole.parent / scheme}",
         f"--blink-settings=preferredColorScheme={0 if scheme == 'dark' else 1}", "--enable-logging=stderr",
-        "--window-size=1400,1000", "--virtual-time-budget=4000", "--dump-dom", whole.as_uri(),
+        "--window-size=1400,1000", "--virtual-time-budget=4000", "--dump-dom",
+        f"{address}/{whole.name}",
     ]  # fmt: skip
     done = _ran(command)
     found = TOLD.search(done.stdout)

@@ -1,10 +1,17 @@
 """The documentation: a site that builds without a warning and loads nothing else; a tutorial that does what it says."""
 
+import ast
 import re
 import shlex
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 
 import pytest
+from browser import faults, needs_browser
 from typer.testing import CliRunner
 
 from fsm_calib.cli import app
@@ -13,6 +20,7 @@ from fsm_calib.world2d.effects import registry
 ROOT = Path(__file__).parents[1]
 STEP = re.compile(r"^ {4}(fsm-calib [^\n]*)$|^```text\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LOADED = re.compile(r"<(?:script|img|iframe)\b[^>]*\bsrc=\"([^\"]+)|<link\b[^>]*\bhref=\"([^\"]+)")
+PYTHON = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
@@ -34,6 +42,30 @@ def test_site_loads_nothing_from_other_places(site) -> None:
         assert not [address for address in loaded if "//" in address], page
 
 
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """Serve a folder on this machine, as `mkdocs serve` does."""
+
+    class Quiet(SimpleHTTPRequestHandler):
+        def log_message(self, *arguments: object) -> None:
+            pass
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(folder)))
+    Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}"
+    server.shutdown()
+    server.server_close()
+
+
+@pytest.mark.slow
+@needs_browser
+@pytest.mark.parametrize("name", ["index", "tutorial", "robot", "commands"])
+def test_pages_are_sound_in_a_browser(site, name) -> None:
+    page = (site / f"{name}.html").read_text(encoding="utf-8")
+    with served(site) as address:
+        assert faults({name: page}, site, address) == []
+
+
 def test_reference_holds_every_public_function_and_command(site) -> None:
     import fsm_calib
 
@@ -53,6 +85,27 @@ def test_every_effect_is_in_the_advice_on_what_to_drive() -> None:
     assert {name: advice.get(name) for name in registry()} == {
         name: effect.manoeuvre for name, effect in registry().items()
     }
+
+
+def test_links_of_the_readme_lead_to_files() -> None:
+    links = re.findall(r"\]\(([^)#\s]+)", (ROOT / "README.md").read_text(encoding="utf-8"))
+    assert links
+    assert [link for link in links if "://" not in link and not (ROOT / link).exists()] == []
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").glob("*.md")), ids=lambda page: page.stem)
+def test_python_in_the_docs_can_be_read_and_its_imports_are_there(page) -> None:
+    for block in PYTHON.findall(page.read_text(encoding="utf-8")):
+        tree = ast.parse(block)
+        imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
+        exec(compile(ast.Module(imports, []), str(page), "exec"), {})
+
+
+def test_the_worlds_example_runs() -> None:
+    (block,) = PYTHON.findall((ROOT / "docs" / "world.md").read_text(encoding="utf-8"))
+    names: dict[str, object] = {}
+    exec(block, names)
+    assert names["frame"].image.shape == (480, 640, 3)
 
 
 def test_tutorial_ends_where_it_says(tmp_path, monkeypatch) -> None:
