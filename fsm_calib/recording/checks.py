@@ -15,6 +15,7 @@ import numpy as np
 
 from fsm_calib.errors import InputError
 from fsm_calib.recording.channels import Channel
+from fsm_calib.recording.held_rows import without_held_rows
 from fsm_calib.recording.oddities import findings_of
 from fsm_calib.recording.recording import Finding, Recording
 from fsm_calib.recording.two_clocks import with_one_clock
@@ -54,7 +55,7 @@ def checked(
         channel, found = _increasing(name, channel, sources[name])
         changes[name] = channel
         findings += found
-    recording = dataclasses.replace(recording, **changes, checks=tuple(findings))
+    recording = without_held_rows(dataclasses.replace(recording, **changes, checks=tuple(findings)))
     if stated is not None:
         recording = with_guessed_units(with_one_clock(recording), stated)
     odd = findings_of(recording)
