@@ -34,7 +34,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from campaign import options_of
 from campaign_children import Hang, command, started
-from campaign_hazards import HAZARDS, Case, Wrong, scenario_file
+from campaign_hazards import HAZARDS, Case, Wrong, code_of, scenario_file
 
 
 class Campaign:
@@ -59,8 +59,8 @@ class Campaign:
             made = self.out / "undisturbed" / "new"
             shutil.rmtree(made, ignore_errors=True)
             child = started(command(["run", str(file), "--out", str(made)]), self.out / "log").wait()
-            if child.code:
-                raise SystemExit(f"{name}, seed {seed}, does not end done by itself: {child.stderr()}")
+            if not (made / "result.json").exists() or child.code != code_of(made):
+                raise SystemExit(f"{name}, seed {seed}, does not end by itself: {child.stderr()}")
             made.rename(directory)
         return directory
 
