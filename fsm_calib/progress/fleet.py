@@ -54,7 +54,7 @@ class FleetBar(TerminalBar):
         columns = (BarColumn(bar_width=24), MofNCompleteColumn(), TimeElapsedColumn())
         super().__init__(*columns, self._column, console=console)
         self._named = named
-        self._task = self._progress.add_task("starting", total=None)
+        self._task = self._progress.add_task("starting (a first run compiles, too)", total=None)
         self._began, self._ended, self._total, self._done = time.monotonic(), 0, 0, 0
 
     def begin(self, done: int, total: int, workers: int, foreseen: Foreseen | None = None) -> None:

@@ -34,7 +34,8 @@ class ProgressBar(TerminalBar):
         )
         self._plan = list(plan)
         self._phase = ""
-        self._task = self._progress.add_task("starting", total=len(self._plan), phase="", time=0.0)
+        begin = "starting (a first run compiles, too)"
+        self._task = self._progress.add_task(begin, total=len(self._plan), phase="", time=0.0)
 
     def event(self, state: str, phase: str, outcome: Outcome | None, time: float) -> None:
         """Move the bar; a change of phase is also written as a line that stays."""
