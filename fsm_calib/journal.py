@@ -80,6 +80,8 @@ class Journal:
 
     def __init__(self, directory: Path, length: int = 0, chain: str = START) -> None:
         self.directory, self._chain = directory, chain
+        for name in (CHECKPOINT_NAME, PREVIOUS_NAME):  # a killed process may have left what it was writing
+            _temporary(directory / name).unlink(missing_ok=True)
         path = directory / JOURNAL_NAME
         path.touch()
         self._file: BinaryIO = path.open("r+b")
@@ -104,13 +106,15 @@ class Journal:
         content = {"schema": SCHEMA, "journal_length": self.length, "journal_chain": self._chain, **state}
         path = self.directory / CHECKPOINT_NAME
         if path.exists():
-            kept = self.directory / f".{PREVIOUS_NAME}.tmp"
+            previous = self.directory / PREVIOUS_NAME
+            kept = _temporary(previous)
             kept.unlink(missing_ok=True)
             try:
                 os.link(path, kept)
             except OSError:  # a file system without links
                 shutil.copyfile(path, kept)
-            os.replace(kept, self.directory / PREVIOUS_NAME)
+            os.replace(kept, previous)
+            kept.unlink(missing_ok=True)  # two names of one file, as a kill may leave them, are not replaced
         write_atomically(path, sealed(encode(content))[0], durable=durable)
 
     def close(self) -> None:
@@ -127,7 +131,7 @@ def write_atomically(path: Path, content: bytes, *, durable: bool = False) -> No
         path.write_bytes(content)
         return
     path = path.resolve() if path.is_symlink() else path
-    temporary = path.with_name(f".{path.name}.tmp")
+    temporary = _temporary(path)
     try:
         with temporary.open("wb") as file:
             file.write(content)
@@ -138,6 +142,11 @@ def write_atomically(path: Path, content: bytes, *, durable: bool = False) -> No
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def _temporary(path: Path) -> Path:
+    """Return where a file is written before it takes its name."""
+    return path.with_name(f".{path.name}.tmp")
 
 
 def read_checkpoint(directory: Path) -> dict[str, Any] | None:

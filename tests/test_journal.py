@@ -115,6 +115,24 @@ def test_resuming_cuts_what_came_after_the_checkpoint(tmp_path) -> None:
     assert [event["seq"] for event in read_journal(tmp_path / "journal.jsonl")] == [0, "again"]
 
 
+def names_in(directory: Path) -> list[str]:
+    return sorted(path.name for path in directory.iterdir())
+
+
+def test_a_kill_before_the_checkpoint_took_its_name_leaves_no_file_behind(tmp_path) -> None:
+    Journal(tmp_path).checkpoint({"event": 1})
+    os.link(tmp_path / CHECKPOINT_NAME, tmp_path / PREVIOUS_NAME)  # kept as the one before, then killed
+    Journal(tmp_path).checkpoint({"event": 1})
+    assert names_in(tmp_path) == sorted([CHECKPOINT_NAME, PREVIOUS_NAME, JOURNAL_NAME])
+
+
+def test_what_a_killed_process_was_writing_goes_when_the_run_goes_on(tmp_path) -> None:
+    for name in (CHECKPOINT_NAME, PREVIOUS_NAME):
+        (tmp_path / f".{name}.tmp").write_text("half a")
+    Journal(tmp_path).close()
+    assert names_in(tmp_path) == [JOURNAL_NAME]
+
+
 @pytest.mark.parametrize("durable", [False, True])
 def test_an_atomic_write_replaces_the_file_and_leaves_no_other(tmp_path, durable: bool) -> None:
     path = tmp_path / "x.json"
