@@ -50,7 +50,7 @@ def drag_and_swivel(P, o, S, m, W):
         kick = P[o + 1] / math.sqrt(across * across + SWIVEL_SPEED * SWIVEL_SPEED)
         add_oblique_damper(W, -arm, 0.0, -s, c, kick)
     if speed2 > 0.0:
-        S[m] = turn_towards(S[m], math.atan2(vy, vx), speed * W[STEP] / (P[o + 3] * arm), S[OMEGA] * W[STEP])
+        S[m] = turn_towards(S[m], math.atan2(vy, vx), speed * W[STEP] / (TRAIL * arm), S[OMEGA] * W[STEP])
 
 
 @njit(error_model="numpy")
@@ -97,18 +97,6 @@ EFFECT = Effect(
             strength=False,
             of_axle=0.55,
         ),
-        Parameter(
-            "trail",
-            "d/a",
-            "1",
-            TRAIL,
-            0.05,
-            2.0,
-            TRAIL,
-            "casters of 25 to 75 mm: 15 to 40 mm; more where the swivel sticks",
-            strength=False,
-            starts=(0.3, 0.8),
-        ),
     ),
     hooks={"step": drag_and_swivel},
     channels=("forward", "turn"),
@@ -122,7 +110,6 @@ EFFECT = Effect(
         Closure("drag alone", ("drag",), "rolling drag, the arm as built"),
         Closure("drag and arm", ("drag", "arm"), "with an arm of its own"),
         Closure("drag and kick", ("drag", "kick"), "with a kick when it swivels"),
-        Closure("sticking swivel", ("drag", "kick", "trail"), "it comes about over a way of its own"),
     ),
     memory=1,
     order=75,
