@@ -12,6 +12,13 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 RUN = "from fsm_calib.cli import main; main()"
+SHORT = """\
+name: short
+seed: 5
+robot: {source: nominal, wheel_ratio: 1.11, known: {camera: true}}
+plan: [orientation]
+"""
+"""The shortest plan: a robot whose camera is known turns to the floor markers."""
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +80,13 @@ def test_schema_diagrams_targets_and_validate_work_in_an_empty_folder(installed,
     assert {"whole.svg", "scan.svg", "README.md"} <= drawn
     printed = {path.name for path in (tmp_path / "targets").iterdir()}
     assert {"plan.pdf", "boards.pdf", "tags.pdf", "area.pdf", "poster.pdf"} <= printed
+
+
+def test_short_run_ends_with_its_page_in_an_empty_folder(installed, tmp_path) -> None:
+    (tmp_path / "short.yaml").write_text(SHORT, encoding="utf-8")
+    done = fsm_calib(installed, tmp_path, "run", "short.yaml", "--out", "here")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "here" / "report.html").stat().st_size > 10_000
 
 
 def test_written_scenario_is_valid_and_never_replaced(installed, tmp_path) -> None:
