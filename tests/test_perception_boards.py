@@ -23,6 +23,11 @@ MATRIX = np.array([[520.0, 0.0, 318.0], [0.0, 524.0, 243.0], [0.0, 0.0, 1.0]])
 SQUARE = 0.03
 SCALE = 2000.0  # px/m of the drawings
 BORDER = 60  # px
+KALIBR_CODES = {0: 0xD5D628584, 1: 0xD97F18B49, 11: 0x3FF962CD5}
+"""Codes of tag36h11 as Kalibr's generator lists them, the upper left cell in the highest bit, a 1 is white.
+
+Source: github.com/ethz-asl/kalibr, aslam_offline_calibration/kalibr/python/kalibr_create_target_pdf.
+"""
 
 
 def drawn_charuco() -> np.ndarray:
@@ -32,7 +37,12 @@ def drawn_charuco() -> np.ndarray:
 
 
 def drawn_aprilgrid() -> np.ndarray:
-    """Draw a grid of 4x3 tags as Kalibr does: numbers from the lower left, two cells of border, squares in the gaps."""
+    """Draw a grid of 4x3 tags as Kalibr does: numbers from the lower left, two cells of border, squares in the gaps.
+
+    The rules are those of Kalibr's generator, `generateAprilBoard` and `generateAprilTag` (see `KALIBR_CODES`): tag
+    `columns * y + x` lies at `(x, y) (1 + spacing) size`, y up; `borderBits=2`; a black square of `spacing * size` at
+    each tag's four corners (`symmCorners`).
+    """
     cell = round(SQUARE * SCALE) // 10
     tag, gap = 10 * cell, 3 * cell
     width, height = 4 * tag + 5 * gap, 3 * tag + 4 * gap
@@ -253,3 +263,9 @@ def test_wrong_option_is_refused_before_any_work(folder, wrong) -> None:
     done = run(folder, "--board", "8x6", *wrong)
     assert done.exit_code == 2
     assert wrong[-2] in done.output
+
+
+@pytest.mark.parametrize("number", KALIBR_CODES)
+def test_tag_has_the_cells_that_kalibrs_generator_draws(number) -> None:
+    white = np.array([digit == "1" for digit in f"{KALIBR_CODES[number]:036b}"]).reshape(6, 6)
+    np.testing.assert_array_equal(tag_cells(number), np.pad(~white, 1, constant_values=True))
