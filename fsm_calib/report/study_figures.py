@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -32,6 +33,8 @@ LABELS = {
 MOST_DOTS = 30
 """Up to this many robots each has its place on the axis, as in the paper; more are drawn sorted."""
 _SIZE = (6.4, 3.2)
+ABOVE: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 3, "fontsize": 8}
+"""Where a legend stands: over the axes, so that it hides no point."""
 
 
 @contextmanager
@@ -50,7 +53,7 @@ def camera_figure(summary: Summary, name: str, label: str) -> Figure:
             _series(axes, summary.rows.camera(way, name), way)
         _finish(axes, summary, label)
         axes.set_yscale("log")
-        axes.legend(loc="upper left", fontsize=8)
+        axes.legend(**ABOVE)
     return fig
 
 
@@ -69,7 +72,7 @@ def deviation_figure(summary: Summary, way: str) -> Figure:
                 places = np.arange(1, len(values) + 1)
                 axes.plot(places, rounded(values), "_", color=COLOURS[each], ms=11, mew=1.2)
         _finish(axes, summary, "deviation after 2 m [m], right positive")
-        axes.legend(loc="upper left", fontsize=8)
+        axes.legend(**ABOVE)
     return fig
 
 
