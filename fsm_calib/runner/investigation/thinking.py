@@ -61,7 +61,7 @@ class Mind:
         least = 0.0 if belief is None else LEAST_SHARE * belief.doubt
         if belief is None:
             belief = prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
-        elif sure:
+        elif sure or len(belief.hypotheses) == 1:  # what one explanation leaves may be a drive's bad luck
             belief, least = with_doubts(belief), 0.0
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
         findings.designs += 1
