@@ -8,6 +8,9 @@ from typing import Self
 from rich.console import Console
 from rich.progress import Progress, ProgressColumn
 
+COMPILES = "(a first run compiles, too)"
+"""Said beside the first part of the work, which takes so much longer on a new installation."""
+
 
 class TerminalBar:
     """A bar of one task that is drawn on a terminal and wiped when its work ends.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from fsm_calib.progress.bar import TerminalBar
+from fsm_calib.progress.bar import COMPILES, TerminalBar
 
 OTHER_PARTS = 5  # base robot, what is left, how sure, place and moment, proof
 
@@ -25,9 +25,7 @@ class DiagnosisProgress(TerminalBar):
         columns = (SpinnerColumn(), BarColumn(bar_width=28), TimeElapsedColumn())
         super().__init__(*columns, TextColumn("{task.description}"), console=console)
         self._effects, self._seen = effects, set[str]()
-        self._task = self._progress.add_task(
-            "reading (a first run compiles, too)", total=effects + OTHER_PARTS + 1
-        )
+        self._task = self._progress.add_task(f"reading {COMPILES}", total=effects + OTHER_PARTS + 1)
 
     @property
     def share(self) -> float:

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Task, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
-from fsm_calib.progress.bar import TerminalBar
+from fsm_calib.progress.bar import COMPILES, TerminalBar
 from fsm_calib.study.variants import BASE, robot_name
 
 _HOUR = 3600.0
@@ -54,7 +54,7 @@ class FleetBar(TerminalBar):
         columns = (BarColumn(bar_width=24), MofNCompleteColumn(), TimeElapsedColumn())
         super().__init__(*columns, self._column, console=console)
         self._named = named
-        self._task = self._progress.add_task("starting (a first run compiles, too)", total=None)
+        self._task = self._progress.add_task(f"starting {COMPILES}", total=None)
         self._began, self._ended, self._total, self._done = time.monotonic(), 0, 0, 0
 
     def begin(self, done: int, total: int, workers: int, foreseen: Foreseen | None = None) -> None:

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from fsm_calib.outcome import Outcome
-from fsm_calib.progress.bar import TerminalBar
+from fsm_calib.progress.bar import COMPILES, TerminalBar
 
 
 class ProgressBar(TerminalBar):
@@ -34,8 +34,9 @@ class ProgressBar(TerminalBar):
         )
         self._plan = list(plan)
         self._phase = ""
-        begin = "starting (a first run compiles, too)"
-        self._task = self._progress.add_task(begin, total=len(self._plan), phase="", time=0.0)
+        self._task = self._progress.add_task(
+            f"starting {COMPILES}", total=len(self._plan), phase="", time=0.0
+        )
 
     def event(self, state: str, phase: str, outcome: Outcome | None, time: float) -> None:
         """Move the bar; a change of phase is also written as a line that stays."""

@@ -59,12 +59,11 @@ def held_rows(time: FloatArray, numbers: FloatArray) -> np.ndarray:
     none = np.zeros(len(time), dtype=bool)
     if len(time) < 2:
         return none
-    same = np.concatenate([[False], np.all(numbers[1:] == numbers[:-1], axis=1)]) & np.any(
-        numbers != 0.0, axis=1
-    )
+    awake = np.any(numbers != 0.0, axis=1)
+    same = np.concatenate([[False], np.all(numbers[1:] == numbers[:-1], axis=1)]) & awake
     begins = np.flatnonzero(~same)
     lasts = np.diff(time[begins], append=time[-1])
-    moving = np.any(numbers[begins] != 0.0, axis=1)
+    moving = awake[begins]
     short = lasts <= LONGEST
     new = len(np.unique(numbers[begins[moving]], axis=0))
     held = same & np.repeat(short, np.diff(begins, append=len(time)))
@@ -72,7 +71,7 @@ def held_rows(time: FloatArray, numbers: FloatArray) -> np.ndarray:
         int(moving.sum()) >= FEWEST
         and new >= LEAST_NEW * int(moving.sum())
         and float(np.mean(~short[moving])) <= MOST_LONGER
-        and int(held.sum()) >= LEAST_HELD * int(np.any(numbers != 0.0, axis=1).sum())
+        and int(held.sum()) >= LEAST_HELD * int(awake.sum())
     )
     return held if is_slow else none
 

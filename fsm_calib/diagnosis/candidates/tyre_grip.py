@@ -49,6 +49,6 @@ def with_free_grip(engine: Engine, fit: Fit) -> Fit:
     for start in STARTS:
         values = fit.values.copy()
         values[:, slot.place] = start
-        tried.append(engine.fit(values, (*fit.slots, slot), fit.noise, steps=STEPS, refresh=True))
+        tried.append(engine.fit(values, (*fit.slots, slot), fit.noise, steps=STEPS))
     best = engine.refit_noise(max(tried, key=lambda t: t.score), SPEED_NOISE, 3)
     return engine.fit(best.values, best.slots, best.noise, steps=STEPS)

@@ -37,7 +37,7 @@ def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
 def has_size(ranked: Ranked) -> bool:
     """Return whether a strength is large enough to be told, and none rests at a bound short of where nature ends."""
     table, effect = parameter_table(), registry()[ranked.name]
-    too_small = []
+    told = []
     for name in ranked.hypothesis.names:
         p = effect.parameter(name)
         if not p.strength:
@@ -46,10 +46,10 @@ def has_size(ranked: Ranked) -> bool:
         values = ranked.fit.values[:, place]
         low, high = next(((s.low, s.high) for s in ranked.fit.slots if s.place == place), (p.low, p.high))
         ends = [end for end in (low, *([] if p.natural_end else [high])) if end != p.null]
-        too_small.append(bool(np.any(np.abs(values - p.null) < p.least)))
+        told.append(not np.any(np.abs(values - p.null) < p.least))
         if any(np.any(np.abs(values - end) < AT_BOUND * (high - low)) for end in ends):
             return False
-    return not too_small or not all(too_small)
+    return any(told) or not told
 
 
 def lasts(ranked: Ranked) -> bool:
