@@ -1,4 +1,4 @@
-"""A served robot in lockstep and the scenario that calibrates it, for tests and the benchmark."""
+"""A served robot and the scenario that calibrates it, for tests and the benchmark."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import pytest
 from ros_rig import free_port
 
 from fsm_calib.perception.encoded import encode_jpeg
@@ -15,20 +16,31 @@ from fsm_calib.robots.served.settings import ServeSettings
 from fsm_calib.runner.connecting import with_robot
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.world import world_of
-from fsm_calib.world2d.robot import make_world
+from fsm_calib.world2d.robot import World, make_world
+
+
+def need_dtps() -> None:
+    """Skip where Duckietown's library is not installed."""
+    pytest.importorskip("dtps", reason="dtps-http is not installed (pip install 'fsm-calib[dtps]')")
+    pytest.importorskip("duckietown_messages", reason="duckietown-messages is not installed")
+
+
+@contextmanager
+def dtps_node(world: World, lockstep: bool, **settings: float) -> Iterator[tuple[DtpsServedNode, str]]:
+    """Serve a world's robot behind a DTPS switchboard; yield it and its address."""
+    robot, port = dataclasses.replace(ServeSettings(), **settings), free_port()
+    node = DtpsServedNode(world, robot, "127.0.0.1", port, "duckie", encode_jpeg, lockstep)
+    try:
+        yield node, f"dtps://127.0.0.1:{port}/duckie"
+    finally:
+        node.close()
 
 
 @contextmanager
 def served_dtps(scenario: Scenario, **settings: float) -> Iterator[tuple[DtpsServedNode, Scenario]]:
-    """Serve the scenario's robot behind a DTPS switchboard; yield it, and the scenario for a client."""
-    robot, port = dataclasses.replace(ServeSettings(), **settings), free_port()
-    node = DtpsServedNode(
-        make_world(world_of(scenario)), robot, "127.0.0.1", port, "duckie", encode_jpeg, lockstep=True
-    )
-    try:
-        yield node, for_client(scenario, f"dtps://127.0.0.1:{port}/duckie")
-    finally:
-        node.close()
+    """Serve the scenario's robot behind a DTPS switchboard in lockstep; yield it, and the scenario for a client."""
+    with dtps_node(make_world(world_of(scenario)), True, **settings) as (node, address):
+        yield node, for_client(scenario, address)
 
 
 def for_client(scenario: Scenario, address: str) -> Scenario:

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from served_robot import served_dtps
+from served_robot import need_dtps, served_dtps
 
 from fsm_calib.errors import InputError, LinkLost
 from fsm_calib.robots.guard.pwm import Dither, command_of, floored, level_of
@@ -19,11 +19,6 @@ from fsm_calib.types import STOP
 from fsm_calib.world2d.deviation import straight_deviation
 
 ENTE = {"dead_zone": 0.2, "dropped": 0.1}
-
-
-def need_library() -> None:
-    pytest.importorskip("dtps", reason="dtps-http is not installed (pip install 'fsm-calib[dtps]')")
-    pytest.importorskip("duckietown_messages", reason="duckietown-messages is not installed")
 
 
 def scenario(plan: str = "[orientation, wheels]") -> Scenario:
@@ -48,7 +43,7 @@ def test_a_released_wheel_is_acknowledged_as_zero() -> None:
 
 
 def test_a_wheels_run_through_the_librarys_own_server_is_done_within_10_cm(tmp_path: Path) -> None:
-    need_library()
+    need_dtps()
     with served_dtps(scenario(), **ENTE) as (node, client):
         finished = run_scenario(client, tmp_path)
         result, truth = finished.result, node.station.robot.world.truth
@@ -60,13 +55,13 @@ def test_a_wheels_run_through_the_librarys_own_server_is_done_within_10_cm(tmp_p
 
 
 def test_a_robot_that_does_not_answer_is_a_lost_link(tmp_path: Path) -> None:
-    need_library()
+    need_dtps()
     with pytest.raises(LinkLost, match=r"127\.0\.0\.1"):
         run_scenario(with_robot(scenario(), "dtps://127.0.0.1:9/duckie"), tmp_path)
 
 
 def test_another_vehicles_name_is_a_lost_link_that_names_it(tmp_path: Path) -> None:
-    need_library()
+    need_dtps()
     with served_dtps(scenario()) as (_, client):
         other = client.model_copy(update={"robot": client.robot.model_copy(update={"vehicle": "other"})})
         with pytest.raises(LinkLost, match="other has no sensor/camera"):

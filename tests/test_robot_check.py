@@ -15,8 +15,8 @@ from fsm_calib.errors import EmergencyStopped, RobotLost
 from fsm_calib.perception.encoded import decode_image, encode_jpeg
 from fsm_calib.robots.address import parse_address
 from fsm_calib.robots.battery import charge_of, refuse_flat
+from fsm_calib.robots.check import Check, Finding
 from fsm_calib.robots.guard.setup import GuardSetup
-from fsm_calib.robots.ros1.check import Check, Finding
 from fsm_calib.robots.ros1.served_node import ServedNode
 from fsm_calib.robots.served.settings import ServeSettings
 from fsm_calib.robots.settings import LinkSettings

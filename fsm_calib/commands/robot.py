@@ -104,7 +104,10 @@ def _serve_dtps(
 @robot_app.command()
 def check(
     robot: Annotated[
-        str, typer.Option(metavar="ADDRESS", help="ros1://HOST[:PORT]/VEHICLE.", show_default=False)
+        str,
+        typer.Option(
+            metavar="ADDRESS", help="ros1://HOST[:PORT]/VEHICLE, or dtps:// with ente.", show_default=False
+        ),
     ],
     json_file: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Write the figures here, too.")
@@ -117,16 +120,12 @@ def check(
     from fsm_calib.commands.files import check_places, write_file
     from fsm_calib.perception.encoded import decode_image
     from fsm_calib.robots.address import parse_address
+    from fsm_calib.robots.check import Check
     from fsm_calib.robots.guard.setup import GuardSetup
-    from fsm_calib.robots.ros1.check import Check
     from fsm_calib.runner.run import Stopped, stop_on_signals
 
     check_places(json_file)
     address = parse_address(robot)
-    if address.kind != "ros1":
-        raise InputError(
-            "only robots with ROS 1 can be checked", where="--robot", cure="Give ros1://HOST/VEHICLE."
-        )
     typer.echo("The robot will turn and move by some centimetres. Stand it on the floor.", err=True)
     if not yes and not typer.confirm("Start?", err=True):
         raise InputError("the check was not agreed to", where="--robot", cure="Answer y, or give --yes.")

@@ -15,7 +15,7 @@ from fsm_calib.robots.dtps.library import load, message
 PATIENCE = 10.0
 """Longest wait for the switchboard when a connection is made [s]."""
 SEND = 1.0
-"""Longest wait for a message to be taken [s]."""
+"""Longest wait for a message to be taken, where a robot waits for it [s]."""
 CURE = "Check that the robot is on and that both are in one network; its switchboard may listen on 11511 or 11911."
 
 Send = Callable[[Any], None]
@@ -31,6 +31,8 @@ class DtpsLink:
         The switchboard's; ``create:`` before it makes one.
     vehicle : str
         What topics begin with.
+    send_timeout : float
+        Longest wait for a message to be taken [s].
 
     Raises
     ------
@@ -40,9 +42,9 @@ class DtpsLink:
         The switchboard does not answer.
     """
 
-    def __init__(self, url: str, vehicle: str) -> None:
+    def __init__(self, url: str, vehicle: str, send_timeout: float = SEND) -> None:
         dtps = load("dtps")
-        self._url = url
+        self._url, self._send_timeout = url, send_timeout
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True, name="dtps")
         self._thread.start()
@@ -100,7 +102,7 @@ class DtpsLink:
         publisher = self.do((self._root / topic).publisher(), PATIENCE)
 
         def send(item: Any) -> None:
-            self.do(publisher.publish(item.to_rawdata()), SEND)
+            self.do(publisher.publish(item.to_rawdata()), self._send_timeout)
 
         return send
 

@@ -12,14 +12,17 @@ from queue import Queue
 from typing import Any
 
 from fsm_calib.errors import LinkLost
-from fsm_calib.robots.address import RobotAddress
 from fsm_calib.robots.dtps.library import message
-from fsm_calib.robots.dtps.link import DtpsLink
+from fsm_calib.robots.dtps.link import SEND, DtpsLink
 from fsm_calib.robots.dtps.topics import NAMES, RESOLUTION
 from fsm_calib.robots.guard.outlet import Event
 from fsm_calib.robots.guard.pwm import command_of
+from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.stepper import Stepper
 from fsm_calib.types import WheelCommand
+
+LOCKSTEP_SEND = 60.0
+"""Longest wait for a served robot in lockstep to take a message [s]: a loaded machine only takes longer."""
 
 
 class DtpsOutlet:
@@ -31,10 +34,10 @@ class DtpsOutlet:
         No switchboard, or no wheel driver behind it.
     """
 
-    def __init__(self, address: RobotAddress, inbox: Queue[Event]) -> None:
-        self._inbox, self._sent = inbox, 0
+    def __init__(self, setup: GuardSetup, inbox: Queue[Event]) -> None:
+        self._inbox, self._sent, address = inbox, 0, setup.address
         self._command = message("pwm")
-        self._link = DtpsLink(address.url, address.vehicle)
+        self._link = DtpsLink(address.url, address.vehicle, LOCKSTEP_SEND if setup.lockstep else SEND)
         try:
             if not self._link.exists(NAMES["wheels"]):
                 cure = "Check the vehicle's name, and that its wheel driver runs."
@@ -49,8 +52,7 @@ class DtpsOutlet:
         """Hear acknowledgements, and encoders and stops where the robot has them."""
 
         def executed(item: Any) -> None:
-            command = WheelCommand(command_of(item.left), command_of(item.right))
-            self._inbox.put(("executed", command, (item.header.txt or {}).get("number", 0)))
+            self._inbox.put(("executed", applied_command(item), (item.header.txt or {}).get("number", 0)))
 
         def stopped(item: Any) -> None:
             if item.data:
@@ -105,3 +107,8 @@ class DtpsOutlet:
     def close(self) -> None:
         """Leave the switchboard."""
         self._link.close()
+
+
+def applied_command(item: Any) -> WheelCommand:
+    """Return the command that an acknowledgement tells: the middle of its PWM step on either side."""
+    return WheelCommand(command_of(item.left), command_of(item.right))

@@ -23,6 +23,11 @@ from fsm_calib.world2d.robot import World
 KEPT = {"image": 3, "wheels": 3}
 """Messages that a topic keeps, as ente's; the others keep more, so that lockstep loses none."""
 KEPT_ELSE = 1000
+ENCODERS = {"left_tick", "right_tick"}
+NOT_SERVED = {"estop"}
+"""Whoever wants this project's own emergency stop makes its topic; a robot has its driver's."""
+TAKE = 60.0
+"""Longest wait for its own switchboard to take a message [s]: a loaded machine only takes longer."""
 
 
 class DtpsServedNode:
@@ -63,13 +68,12 @@ class DtpsServedNode:
     ) -> None:
         self._encode, self._settings = encode, settings
         self.station = Station(world, settings, self, lockstep)
-        self.link = DtpsLink(f"create:http://{host}:{port}/", vehicle)
-        for name, topic in NAMES.items():
-            self.link.create(topic, KEPT.get(name, KEPT_ELSE))
-        self._send = {
-            name: self.link.publisher(NAMES[name])
-            for name in ("image", "executed", "left_tick", "right_tick", "stepped")
-        }
+        self.link = DtpsLink(f"create:http://{host}:{port}/", vehicle, TAKE)
+        offered = NAMES.keys() - NOT_SERVED - (set() if settings.encoders else ENCODERS)
+        for name in sorted(offered):
+            self.link.create(NAMES[name], KEPT.get(name, KEPT_ELSE))
+        published = offered & ({"image", "executed", "stepped"} | ENCODERS)
+        self._send = {name: self.link.publisher(NAMES[name]) for name in published}
         self._hear("wheels", "pwm", lambda item: self.station.take(WheelCommand(item.left, item.right)))
         self._hear("emergency_stop", "bool", lambda item: self.station.stop(item.data))
         self._hear("step", "text", lambda item: self.station.step(json.loads(item.data), self._tell_step))

@@ -57,7 +57,7 @@ def open_outlet(setup: GuardSetup, inbox: Queue[Event]) -> Outlet:
     if setup.address.kind == "dtps":
         from fsm_calib.robots.dtps.outlet import DtpsOutlet
 
-        return DtpsOutlet(setup.address, inbox)
+        return DtpsOutlet(setup, inbox)
     from fsm_calib.robots.ros1.outlet import Ros1Outlet
 
     return Ros1Outlet(setup.address, inbox)

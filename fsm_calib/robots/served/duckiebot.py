@@ -82,7 +82,8 @@ class ServedDuckiebot:
         self.is_stopped = False
         self.is_watched = True
         self._later(0.0, self._expose)
-        self._later(0.0, self._tick)
+        if self.settings.encoders:
+            self._later(0.0, self._tick)
         self._tracker_rng = np.random.default_rng([self.world.spec.seed, TRACKER_STREAM])
         if self.settings.tracker > 0.0:
             self._later(0.0, self._track)

@@ -34,6 +34,8 @@ class ServeSettings:
         Standard deviation of their position [m]; that of the heading is five times as many rad.
     dead_zone : float
         Commands up to this release the wheel [1]; daffy 0.01, ente 0.2.
+    encoders : bool
+        The wheels have encoders; a DB18 has none.
     """
 
     rate: float = 30.0
@@ -49,6 +51,7 @@ class ServeSettings:
     tracker: float = 0.0
     tracker_noise: float = 0.002
     dead_zone: float = 0.01
+    encoders: bool = True
 
     def __post_init__(self) -> None:
         """Refuse what no robot is.

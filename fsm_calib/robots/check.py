@@ -1,4 +1,4 @@
-"""An owner's first test of a Duckiebot with ROS 1: does what this project needs work, and how fast?
+"""An owner's first test of a robot on a network: does what this project needs work, and how fast?
 
 The robot turns its wheels a little, for less than a second at a time. Every figure comes from the robot's own messages.
 """
@@ -6,11 +6,10 @@ The robot turns its wheels a little, for less than a second at a time. Every fig
 from __future__ import annotations
 
 import math
-import os
 import threading
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +17,7 @@ from numpy.typing import NDArray
 from fsm_calib.errors import RobotLost
 from fsm_calib.robots.camera import Decode
 from fsm_calib.robots.guard.setup import GuardSetup
-from fsm_calib.robots.ros1.messages import BOOL, IMAGE, TICK, WHEELS, message_type
-from fsm_calib.robots.ros1.node import Node
-from fsm_calib.robots.ros1.robot import Ros1Robot
+from fsm_calib.robots.subject import open_subject
 from fsm_calib.types import STOP, WheelCommand
 
 WATCH = 3.0
@@ -47,15 +44,6 @@ class Finding:
     good: bool
 
 
-@dataclass
-class _Heard:
-    """What the robot said, with arrival times [s]."""
-
-    frames: list[tuple[float, NDArray[np.uint8]]] = field(default_factory=list)
-    executed: list[tuple[float, WheelCommand]] = field(default_factory=list)
-    ticks: dict[str, int] = field(default_factory=dict)
-
-
 class Check:
     """The test of one robot.
 
@@ -68,36 +56,15 @@ class Check:
 
     Raises
     ------
+    InputError
+        It speaks DTPS, and Duckietown's library is not installed.
     RobotLost
         The robot does not answer, or must not be driven.
     """
 
     def __init__(self, setup: GuardSetup, decode: Decode) -> None:
-        self._robot, self._heard, self._decode = Ros1Robot(setup, decode), _Heard(), decode
-        self._node = Node(f"/{setup.address.vehicle}/fsm_calib_check_{os.getpid()}", setup.address.url)
-        topics = self._robot.topics
-        self._button = self._node.publish(topics.estop, BOOL)
-        self._node.subscribe(topics.image, IMAGE, self._frame)
-        self._node.subscribe(topics.executed, WHEELS, self._executed)
-        for side, topic in (("left", topics.left_tick), ("right", topics.right_tick)):
-            self._node.subscribe(topic, TICK, self._counter(side))
-
-    def _frame(self, body: bytes) -> None:
-        image = self._decode(np.asarray(message_type(IMAGE).decode(body).data).tobytes())
-        if image is not None:
-            self._heard.frames.append((time.monotonic(), image[::4, ::4]))
-            del self._heard.frames[:-300]
-
-    def _executed(self, body: bytes) -> None:
-        message = message_type(WHEELS).decode(body)
-        command = WheelCommand(float(message.vel_left), float(message.vel_right))
-        self._heard.executed.append((time.monotonic(), command))
-
-    def _counter(self, side: str) -> Callable[[bytes], None]:
-        def count(body: bytes) -> None:
-            self._heard.ticks[side] = int(message_type(TICK).decode(body).data)
-
-        return count
+        self._subject = open_subject(setup, decode)
+        self._robot, self._heard = self._subject.robot, self._subject.heard
 
     def findings(self) -> Iterator[Finding]:
         """Yield one figure after the other; the emergency stop is the last."""
@@ -157,7 +124,7 @@ class Check:
             self._robot.wait(0.3)
             if before and all(abs(self._heard.ticks[side] - count) >= 2 for side, count in before.items()):
                 words = f"Both wheels turn from a command of {value:.2f} on."
-                return Finding("least_command", value, words, value <= 0.14)
+                return Finding("least_command", value, words, value <= self._subject.least_command)
         if not self._heard.ticks:
             return Finding(
                 "least_command", None, "No encoders: dead reckoning counts commands instead, to 10 %.", True
@@ -167,11 +134,12 @@ class Check:
 
     def _stop(self) -> Finding:
         """Press the emergency stop while the robot turns."""
-        self._robot.command(WheelCommand(0.2, -0.2))
+        slow = self._subject.turning
+        self._robot.command(WheelCommand(slow, -slow))
         self._robot.wait(0.3)
         pressed = threading.Event()
         began = time.monotonic()
-        self._button.publish(message_type(BOOL).stamped(time.time(), data=True))
+        self._subject.press_stop()
         try:
             self._robot.wait(1.0)
         except RobotLost:
@@ -195,8 +163,7 @@ class Check:
 
     def close(self) -> None:
         """Stop the wheels and end the connections."""
-        self._robot.close()
-        self._node.close()
+        self._subject.close()
 
 
 def _difference(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
