@@ -8,7 +8,10 @@ from collections.abc import Mapping
 from html import unescape
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 PROGRAM = next(
     (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
@@ -35,6 +38,18 @@ def page_after_scripts(address: str, tmp_path, budget_ms: int = 5000) -> str:
         f"--virtual-time-budget={budget_ms}", "--dump-dom", address,
     ]  # fmt: skip
     return _ran(command).stdout
+
+
+def picture_of(page: Path, width: int, height: int, scratch: Path) -> NDArray[np.uint8]:
+    """Return a page or a drawing as a browser paints it in a window of `width` x `height` px, grey."""
+    frame, target = scratch / "frame.html", scratch / "frame.png"
+    style = f"position: fixed; inset: 0; width: {width}px; height: {height}px"
+    frame.write_text(f'<!doctype html><img src="{page.as_uri()}" style="{style}">', encoding="utf-8")
+    _ran([
+        PROGRAM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--screenshot={target}",
+        f"--user-data-dir={scratch / 'profile'}", f"--window-size={width},{height}", frame.as_uri(),
+    ])  # fmt: skip
+    return np.asarray(cv2.imread(str(target), cv2.IMREAD_GRAYSCALE), np.uint8)
 
 
 WIDTHS = (390, 1280)
