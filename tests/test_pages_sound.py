@@ -7,7 +7,11 @@ from test_next_drive import PLAN
 from test_study_report import row, summary
 
 from fsm_calib.diagnosis.design.area import Area
+from fsm_calib.perception.fleet_camera import FLEET_MEDIAN
 from fsm_calib.perception.intrinsics import calibrate
+from fsm_calib.perception.lens import camera_model
+from fsm_calib.perception.prediction import projection_difference
+from fsm_calib.report.camera_compare import compare_page
 from fsm_calib.report.camera_report import camera_report
 from fsm_calib.report.fleet import cells, fleet_page
 from fsm_calib.report.next_drive import next_drive_page
@@ -39,10 +43,18 @@ def study_page(folder) -> str:
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
+def compared_page() -> str:
+    near, far = FLEET_MEDIAN, FLEET_MEDIAN + np.array([9.0, 9.0, 2.0, -3.0, 0.02, *np.zeros(7)])
+    cameras = (camera_model(near, SIZE), camera_model(far, SIZE))
+    names = ("cameras/of_a_robot_with_a_long_name/camera.yaml", "b.yaml")
+    return compare_page(names, cameras, projection_difference(*cameras))
+
+
 @needs_browser
 def test_pages_are_sound_in_a_browser(tmp_path) -> None:
     pages = {
         "camera": camera_page(),
+        "compared": compared_page(),
         "study": study_page(tmp_path),
         "fleet": fleet_page([cells(robot) for robot in FLEET]),
         "next": next_drive_page(PLAN, Area(), "duckie"),

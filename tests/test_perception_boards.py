@@ -235,6 +235,24 @@ def test_two_cameras_are_compared_over_the_image(tmp_path) -> None:
     assert "rms 0.00 px" in same.output
 
 
+def test_comparison_is_written_as_json_and_as_a_page(tmp_path) -> None:
+    from fsm_calib.perception.camera_files import write_intrinsics
+
+    for name, focal in (("a", 500.0), ("b", 510.0)):
+        matrix = np.array([[focal, 0, 320], [0, focal, 240], [0, 0, 1.0]])
+        write_intrinsics(tmp_path / f"{name}.yaml", CameraModel(matrix, np.zeros(5)), name)
+    pair = ("--compare", tmp_path / "a.yaml", tmp_path / "b.yaml")
+    done = run(*pair, "--json", "-", "--report", tmp_path / "apart.html")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert 0.0 < told["median_px"] <= told["max_px"]
+    assert np.sqrt(np.mean(np.square(told["over_the_image_px"]))) == pytest.approx(told["rms_px"])
+    assert "Difference of two cameras over the image" in (tmp_path / "apart.html").read_text()
+    nowhere = run(*pair, "--report", tmp_path / "missing" / "apart.html")
+    assert nowhere.exit_code == 2
+    assert "no such folder" in nowhere.output
+
+
 def test_opencv_reads_what_is_written_for_it(tmp_path) -> None:
     camera = CameraModel(MATRIX, np.array([-0.3, 0.1, 1e-3, 0.0, 0.02]))
     (tmp_path / "camera.yaml").write_text(opencv_text(camera, "camera", "a remark"))

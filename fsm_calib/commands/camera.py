@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from fsm_calib.commands.camera_options import camera_writer, compare_cameras, parse_request, solve_settings
+from fsm_calib.commands.camera_compare import compare_cameras
+from fsm_calib.commands.camera_options import camera_writer, parse_request, solve_settings
 from fsm_calib.commands.files import check_places, tell_result, write_file
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.types import BoardSpec
@@ -79,7 +80,7 @@ def calibrate_camera(
 ) -> None:
     """Calibrate a camera from photos and say how good the result is."""
     if compare is not None:
-        compare_cameras(*compare)
+        compare_cameras(*compare, json_file, report)
         return
     from fsm_calib.perception.intrinsics import calibrate
     from fsm_calib.perception.photo_sources import photo_files

@@ -1,15 +1,11 @@
-"""What `calibrate-camera` is asked: board, size of the lens model, form of the file, two cameras to compare."""
+"""What `calibrate-camera` is asked: board, size of the lens model, form of the file."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
-import typer
 
 from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.types import BoardSpec, CameraModel
@@ -17,30 +13,6 @@ from fsm_calib.types import BoardSpec, CameraModel
 if TYPE_CHECKING:
     from fsm_calib.perception.grid_boards import BoardRequest
     from fsm_calib.perception.solve_settings import SolveSettings
-
-
-def compare_cameras(first: Path, second: Path) -> None:
-    """Print how differently two cameras see the same rays over the image of the first [px], best rotation removed."""
-    from fsm_calib.perception.camera_files import read_intrinsics
-    from fsm_calib.perception.prediction import projection_difference
-
-    cameras = [read_intrinsics(path) for path in (first, second)]
-    sizes = [(camera.width, camera.height) for camera in cameras]
-    if sizes[0] != sizes[1]:
-        said = " and ".join(f"{width}x{height}" for width, height in sizes)
-        raise InputError(
-            f"the images have {said} px", where="--compare", cure="Compare cameras of one image size."
-        )
-    apart = projection_difference(*cameras)
-    grid = np.asarray(apart.grid)
-    typer.echo(f"{first} and {second} differ by")
-    typer.echo(f"  rms {apart.rms:.2f} px   median {np.median(grid):.2f} px   at most {apart.max:.2f} px")
-    typer.echo("  over the image, from the upper left, best rotation removed [px]:")
-    rows, columns = (
-        np.linspace(0, count - 1, shown).round().astype(int) for count, shown in zip(grid.shape, (5, 7))
-    )
-    for row in grid[np.ix_(rows, columns)]:
-        typer.echo("  " + "".join(f"{value:9.2f}" for value in row))
 
 
 def solve_settings(coefficients: int | None) -> SolveSettings:

@@ -8,38 +8,48 @@ import base64
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 from fsm_calib.perception.calibration import CameraCalibration
-from fsm_calib.perception.prediction import image_grid
+from fsm_calib.perception.prediction import ImageError, image_grid
 from fsm_calib.perception.undistort import as_png, undistorted
 from fsm_calib.report.palette import BOARD_COLOURS
 from fsm_calib.report.run_style import figure, svg
-from fsm_calib.types import BoardView
+from fsm_calib.types import BoardView, FloatArray
 
 _ARROW = 50.0  # residual arrows are drawn so many times their length
 
 
-def error_map(calibration: CameraCalibration) -> str:
-    """Return the predicted error over the image as SVG [px]."""
-    grid, camera = calibration.predicted_map.grid, calibration.camera
+def error_map(error: ImageError, image_size: tuple[int, int], scale: str, label: str) -> str:
+    """Return an error over the image as SVG [px]; `scale` names it beside the colours, `label` tells what is shown."""
+    grid, (width, height) = error.grid, image_size
     with figure(5.2, 3.9) as fig:
         axes = fig.add_subplot()
-        points = image_grid((camera.width, camera.height)).reshape(*grid.shape, 2)
-        top = max(float(np.percentile(grid, 98.0)), 1e-6)
+        points = image_grid(image_size).reshape(*grid.shape, 2)
+        levels = round_levels(grid)
         filled = axes.contourf(
-            points[..., 0],
-            points[..., 1],
-            np.minimum(grid, top),
-            levels=np.linspace(0.0, top, 13),
-            cmap="viridis",
+            points[..., 0], points[..., 1], grid, levels=levels, norm=LogNorm(), extend="both"
         )
-        axes.contour(points[..., 0], points[..., 1], grid, levels=5, colors="white", linewidths=0.6)
-        fig.colorbar(filled, ax=axes, label="predicted error [px]", shrink=0.85)
-        axes.set(
-            xlim=(0, camera.width), ylim=(camera.height, 0), xlabel="u [px]", ylabel="v [px]", aspect="equal"
-        )
-        return svg(fig, "Predicted projection error over the image")
+        axes.contour(points[..., 0], points[..., 1], grid, levels=levels, colors="white", linewidths=0.6)
+        bar = fig.colorbar(filled, ax=axes, label=scale, shrink=0.85, ticks=levels)
+        bar.ax.minorticks_off()
+        bar.ax.set_yticklabels([f"{level:g}" for level in levels])
+        axes.set(xlim=(0, width), ylim=(height, 0), xlabel="u [px]", ylabel="v [px]", aspect="equal")
+        return svg(fig, label)
+
+
+def round_levels(grid: FloatArray) -> list[float]:
+    """Return round numbers (1, 2 or 5 times a power of ten) over the range of positive values, three and more.
+
+    They are evenly spaced for the eye where an error is a tenth in the middle of an image and ten in its corners.
+    """
+    low, high = (float(np.percentile(np.maximum(grid, 1e-6), share)) for share in (1.0, 99.5))
+    powers = range(int(np.floor(np.log10(low))) - 1, int(np.ceil(np.log10(high))) + 2)
+    rounds = [float(f"{step}e{power}") for power in powers for step in (1, 2, 5)]
+    first = max(index for index, level in enumerate(rounds) if level <= low)
+    last = min(index for index, level in enumerate(rounds) if level >= high)
+    return rounds[first : max(last, first + 2) + 1]
 
 
 def residual_arrows(calibration: CameraCalibration, views: Sequence[BoardView]) -> str:

@@ -18,6 +18,7 @@ from fsm_calib.report.camera_figures import (
     undistorted_view,
 )
 from fsm_calib.report.camera_photos import ENLARGED, overlays
+from fsm_calib.report.camera_poses import poses
 from fsm_calib.report.camera_words import parameter_rows, verdict
 from fsm_calib.report.pages import page
 from fsm_calib.types import BoardSpec, BoardView
@@ -53,7 +54,13 @@ def camera_report(
         photos=photo_rows(calibration, used),
         board=board,
         advice=verdict(calibration),
-        error_map=error_map(calibration),
+        error_map=error_map(
+            calibration.predicted_map,
+            (calibration.camera.width, calibration.camera.height),
+            "predicted error [px]",
+            "Predicted projection error over the image",
+        ),
+        poses=poses(calibration, board),
         arrows=residual_arrows(calibration, used),
         reach=reach(calibration, used),
         bars=coverage_bars(calibration),

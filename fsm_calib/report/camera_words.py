@@ -43,7 +43,11 @@ def parameter_rows(calibration: CameraCalibration) -> list[tuple[str, str, str]]
     vector, deviation = intrinsics_vector(calibration.camera), calibration.parameter_deviation
     rows = []
     for name, value in zip(names_of(vector), vector, strict=True):
-        digits = 2 if name in ("fx", "fy", "cx", "cy") else 5
         if name in deviation:
-            rows.append((name, f"{value:.{digits}f}", f"{deviation[name]:.{digits}f}"))
+            rows.append((name, intrinsic_text(name, value), intrinsic_text(name, deviation[name])))
     return rows
+
+
+def intrinsic_text(name: str, value: float) -> str:
+    """Return an intrinsic with as many digits as tell: pixels two, coefficients of the lens five."""
+    return f"{value:.{2 if name in ('fx', 'fy', 'cx', 'cy') else 5}f}"
