@@ -21,6 +21,8 @@ ROOT = Path(__file__).parents[1]
 STEP = re.compile(r"^ {4}(fsm-calib [^\n]*)$|^```text\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LOADED = re.compile(r"<(?:script|img|iframe)\b[^>]*\bsrc=\"([^\"]+)|<link\b[^>]*\bhref=\"([^\"]+)")
 PYTHON = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+AT_ONCE = 12
+"""Pages that a browser looks at together."""
 NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
@@ -59,11 +61,20 @@ def served(folder: Path) -> Iterator[str]:
 
 @pytest.mark.slow
 @needs_browser
-@pytest.mark.parametrize("name", ["index", "tutorial", "robot", "commands"])
-def test_pages_are_sound_in_a_browser(site, name) -> None:
-    page = (site / f"{name}.html").read_text(encoding="utf-8")
+def test_every_page_is_sound_in_a_browser(site) -> None:
+    by_folder: dict[Path, list[Path]] = {}
+    for path in sorted(site.rglob("*.html")):
+        by_folder.setdefault(path.parent, []).append(path)
+    found: list[str] = []
     with served(site) as address:
-        assert faults({name: page}, site, address) == []
+        for folder, paths in by_folder.items():
+            place = f"{address}/{folder.relative_to(site).as_posix()}"
+            for first in range(0, len(paths), AT_ONCE):
+                pages = {
+                    path.stem: path.read_text(encoding="utf-8") for path in paths[first : first + AT_ONCE]
+                }
+                found += faults(pages, folder, place)
+    assert found == []
 
 
 def test_reference_holds_every_public_function_and_command(site) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -32,13 +33,16 @@ HOSTILE = "<script>alert(1)</script>"
 NOISE = np.array([0.002, 0.002, 0.006])
 
 
-def recording(seed: int, seconds: float = 40.0) -> Recording:
-    """A drive of a robot whose motors lose 0.08 of every command, with states."""
+DEADBAND = {"motor_deadband.offset": 0.08}
+
+
+def recording(seed: int, hidden: Mapping[str, float] = DEADBAND, seconds: float = 40.0) -> Recording:
+    """A drive, with states, of a robot that hides something: its motors lose 0.08 of every command."""
     rng = np.random.default_rng(seed)
     times = np.arange(0.2, seconds, 0.5)
     left = rng.choice([-0.3, -0.15, 0.0, 0.15, 0.3, 0.5], size=len(times))
     right = np.where(rng.uniform(size=len(times)) < 0.5, left, rng.permutation(left))
-    truth = parameters({"motor_deadband.offset": 0.08, "gain_left": 0.62, "gain_right": 0.6})
+    truth = parameters({**hidden, "gain_left": 0.62, "gain_right": 0.6})
     stamps = np.arange(0.0, seconds, 0.08)
     poses = predict(truth, Drive(times, left, right), stamps, (0.0, 0.0, 0.0)).poses
     x, y, theta = (poses + rng.normal(size=poses.shape) * NOISE).T
@@ -64,9 +68,35 @@ def page(diagnosis: Diagnosis) -> str:
     return diagnosis_page(diagnosis)
 
 
+def answered(hidden: Mapping[str, float]) -> Diagnosis:
+    """Return what the three effects considered say of a robot that hides something else, or nothing."""
+    fitted = [recording(1, hidden), recording(2, hidden)]
+    return diagnose(fitted, [recording(3, hidden)], without=set(registry()) - CONSIDERED)
+
+
+@pytest.fixture(scope="module")
+def other_pages() -> dict[str, str]:
+    """Pages of the two answers that name nothing."""
+    found = {"match": answered({}), "unexplained": answered({"wheel_eccentricity.left": 0.12})}
+    assert {name: answer.verdict.verdict for name, answer in found.items()} == {name: name for name in found}
+    return {name: diagnosis_page(answer) for name, answer in found.items()}
+
+
 @needs_browser
-def test_the_page_is_sound_in_a_browser(page: str, tmp_path: Path) -> None:
-    assert faults({"diagnosis": page}, tmp_path) == []
+def test_the_pages_of_every_answer_are_sound_in_a_browser(
+    page: str, other_pages: dict[str, str], tmp_path: Path
+) -> None:
+    assert faults({"explained": page, **other_pages}, tmp_path) == []
+
+
+def test_a_page_that_names_nothing_draws_one_side_and_says_what_that_means(
+    other_pages: dict[str, str],
+) -> None:
+    for text in other_pages.values():
+        assert 'aria-label="Paths base robot, run-1"' in text
+        assert "with the effects</th>" not in text
+    assert "Nothing is missing that these drives would have shown." in other_pages["match"]
+    assert "Something is missing that the catalogue has no name for" in other_pages["unexplained"]
 
 
 @needs_browser
@@ -99,7 +129,10 @@ def test_the_page_draws_every_recording_the_unseen_first(page: str) -> None:
     titles = re.findall(r"<h2>(run-\d), (not fitted|fitted)</h2>", page)
     assert titles == [("run-3", "not fitted"), ("run-1", "fitted"), ("run-2", "fitted")]
     for run in ("run-1", "run-2", "run-3"):
-        for figure in ("Error over time", "Error on the floor", "Paths"):
+        maps = (
+            f"{figure} {side}" for figure in ("Error on the floor", "Paths") for side in ("before", "after")
+        )
+        for figure in ("Error over time", *maps):
             assert f'aria-label="{figure}, {run}"' in page
 
 

@@ -34,7 +34,7 @@ def sample() -> str:
 
 def test_wide_figures_and_tables_scroll_inside_the_page() -> None:
     html = sample()
-    assert html.count('<div class="wide"><svg') == 4
+    assert html.count('<div class="wide" style="--width: 1100px"><svg') == 4
     assert html.count('<div class="scroll"><table') == 4
 
 

@@ -60,7 +60,18 @@ def test_page_shows_the_first_moment_without_a_hand(told, tmp_path) -> None:
 
 @needs_browser
 def test_page_of_a_run_is_sound_in_a_browser(told, tmp_path) -> None:
-    assert faults({"run": told[1].read_text(encoding="utf-8")}, tmp_path) == []
+    failing = (
+        "name: lost\nrobot: {known: {camera: true}}\nfaults: [{kind: missing_markers}]\nplan: [orientation]\n"
+    )
+    (tmp_path / "lost.yaml").write_text(failing)
+    pages = {"done": told[1].read_text(encoding="utf-8")}
+    run_scenario(
+        load_scenario(tmp_path / "lost.yaml"),
+        tmp_path / "out",
+        draw=lambda record: pages.setdefault("failed", run_report(record)),
+    )
+    assert "Failed" in pages["failed"] or "failed" in pages["failed"]
+    assert faults(pages, tmp_path) == []
 
 
 def test_film_shows_as_many_moments_as_it_says(told, tmp_path, monkeypatch) -> None:

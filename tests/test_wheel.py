@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import pytest
+from browser import PROGRAM, faults
 
 ROOT = Path(__file__).parents[1]
 RUN = "from fsm_calib.cli import main; main()"
@@ -69,7 +70,10 @@ def test_wheel_holds_every_scenario_diagram_and_template(installed) -> None:
 def test_shipped_scenario_runs_by_name_in_an_empty_folder(installed, tmp_path) -> None:
     done = fsm_calib(installed, tmp_path, "run", "full_calibration", "--out", "here")
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "here" / "report.html").stat().st_size > 10_000
+    page = (tmp_path / "here" / "report.html").read_text(encoding="utf-8")
+    assert all(f"<h2>{part}</h2>" in page for part in ("Wheels", "Camera", "Time line of states"))
+    if PROGRAM is not None:
+        assert faults({"run": page}, tmp_path) == []
 
 
 def test_schema_diagrams_targets_and_validate_work_in_an_empty_folder(installed, tmp_path) -> None:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from fsm_calib.diagnosis.proof.windows import Windows
 from fsm_calib.report.diagnosis_paths import Drive
+from fsm_calib.report.pages import beside
 from fsm_calib.report.palette import AFTER, BEFORE, BOARD_COLOURS, FLOOR, MEASURED, PHASE_COLOURS
 from fsm_calib.report.run_style import Margins, figure, svg
 
@@ -18,6 +21,11 @@ HOLE = 1.0
 """Time without windows over which no line is drawn [s]."""
 NAMED_STATES = 15
 """States that the ribbon's legend names."""
+MAP_WIDTH = 5.5
+"""Width of one of two maps beside each other [inch]."""
+MAP_HEIGHTS = (1.9, 4.4)
+"""Least and largest height of a map [inch]: as the drive needs it."""
+MAP_ROOM = Margins(left=0.8)
 SPREAD = 0.98
 """Share of errors inside the colour scale: a lone jump of the tracker must not darken the rest."""
 
@@ -44,9 +52,19 @@ def error_over_time(drive: Drive, when: Sequence[tuple[float, float]] = ()) -> s
         return svg(fig, f"Error over time, {drive.title}", dict.fromkeys(axes[-len(rows) :], "time"))
 
 
+def sides(drive: Drive) -> list[tuple[str, str, Windows, list[np.ndarray]]]:
+    """Return name, colour, errors and predicted paths of what is compared: one side alone where nothing was found."""
+    if not drive.is_improved:
+        return [("base robot", BEFORE, drive.before, drive.paths_before)]
+    return [
+        ("before", BEFORE, drive.before, drive.paths_before),
+        ("after", AFTER, drive.after, drive.paths_after),
+    ]
+
+
 def _errors(axis: Axes, drive: Drive, row: int) -> None:
     """Draw one row: 0 position [mm], 1 heading [deg]."""
-    for windows, colour, name in ((drive.before, BEFORE, "before"), (drive.after, AFTER, "after")):
+    for name, colour, windows, _ in sides(drive):
         axis.plot(*unjoined(windows.time, sizes(windows, row)), color=colour, linewidth=1.0, label=name)
     scale = 1e3 if row == 0 else np.degrees(1.0)
     floor = unjoined(drive.after.time, drive.after.floor[:, row] * scale)
@@ -91,43 +109,60 @@ def state_colour(name: str, names: list[str]) -> str:
 
 
 def error_on_floor(drive: Drive, where: Mapping[str, float] | None = None) -> str:
-    """Return where the errors were made: heading errors beside position errors are in the time plot.
+    """Return where the errors were made, of each side: heading errors beside position errors are in the time plot.
 
     `where` (x, y, radius [m]) is drawn as a circle: there the mismatch was located.
     """
-    with figure(11.0, 4.2) as fig:
-        pair = fig.subplots(1, 2, sharex=True, sharey=True)
-        top = max(float(np.quantile(sizes(drive.before, 0), SPREAD)), 1.0) if len(drive.before.time) else 1.0
-        for axis, windows, name in zip(pair, (drive.before, drive.after), ("before", "after"), strict=True):
+    top = max(float(np.quantile(sizes(drive.before, 0), SPREAD)), 1.0) if len(drive.before.time) else 1.0
+    both = []
+    for name, _, windows, _ in sides(drive):
+        with _map_figure(drive.path) as fig:
+            axis = fig.add_subplot()
             axis.plot(drive.path[:, 0], drive.path[:, 1], color="#cccccc", linewidth=0.7, zorder=0)
             place = drive.place_of(windows)
             dots = axis.scatter(
                 place[:, 0], place[:, 1], c=sizes(windows, 0), s=12, cmap="inferno_r", vmin=0.0, vmax=top
             )
-            axis.set(aspect="equal", title=name, xlabel="x [m]")
             if where:
-                ring = Circle(
-                    (where["x"], where["y"]), where["radius"], fill=False, color=BEFORE, linewidth=1.5
-                )
-                axis.add_patch(ring)
-        pair[0].set_ylabel("y [m]")
-        fig.subplots_adjust(right=0.9)
-        bar = fig.add_axes((0.915, 0.12, 0.012, 0.78))
-        fig.colorbar(dots, cax=bar, label="position error [mm]")
-        return svg(fig, f"Error on the floor, {drive.title}", dict.fromkeys(pair, "floor"))
+                middle = (where["x"], where["y"])
+                axis.add_patch(Circle(middle, where["radius"], fill=False, color=BEFORE, linewidth=1.5))
+            _map(axis, f"errors, {name}", drive.path)
+            fig.colorbar(dots, ax=axis, label="position error [mm]", shrink=0.8)
+            fig.canvas.draw()  # the colours take their room from the axes
+            both.append(svg(fig, f"Error on the floor {name}, {drive.title}", {axis: "floor"}))
+    return beside(*both)
 
 
 def paths(drive: Drive) -> str:
-    """Return measured and predicted paths; a prediction starts afresh every few seconds."""
-    with figure(11.0, 4.2) as fig:
-        pair = fig.subplots(1, 2, sharex=True, sharey=True)
-        sides = ((drive.paths_before, BEFORE, "before"), (drive.paths_after, AFTER, "after"))
-        for axis, (lines, colour, name) in zip(pair, sides, strict=True):
+    """Return measured and predicted paths, of each side; a prediction starts afresh every few seconds."""
+    drawn = sides(drive)
+    every = np.concatenate([drive.path[:, :2], *(line for *_, lines in drawn for line in lines)])
+    both = []
+    for name, colour, _, lines in drawn:
+        with _map_figure(every) as fig:
+            axis = fig.add_subplot()
             axis.plot(
                 drive.path[:, 0], drive.path[:, 1], color=MEASURED, linewidth=0.8, alpha=0.6, label="measured"
             )
             axis.add_collection(LineCollection(lines, colors=colour, linewidths=1.1, label="predicted"))
-            axis.set(aspect="equal", title=name, xlabel="x [m]")
+            _map(axis, f"paths, {name}", every)
             axis.legend(loc="upper right", fontsize=8)
-        pair[0].set_ylabel("y [m]")
-        return svg(fig, f"Paths, {drive.title}", dict.fromkeys(pair, "floor"))
+            fig.canvas.draw()  # one scale for both axes makes the box narrower or lower
+            both.append(svg(fig, f"Paths {name}, {drive.title}", {axis: "floor"}))
+    return beside(*both)
+
+
+def _map_figure(shown: np.ndarray) -> AbstractContextManager[Figure]:
+    """Return an empty figure as high as a map of points (x, y, ...) [m] needs it."""
+    wide, high = np.maximum(np.nanmax(shown[:, :2], axis=0) - np.nanmin(shown[:, :2], axis=0), 1e-3)
+    around = MAP_ROOM.bottom + MAP_ROOM.top
+    height = around + (MAP_WIDTH - MAP_ROOM.left - MAP_ROOM.right) * high / wide
+    return figure(MAP_WIDTH, float(np.clip(height, *MAP_HEIGHTS)), MAP_ROOM)
+
+
+def _map(axis: Axes, title: str, shown: np.ndarray) -> None:
+    """Make axes a map of the floor that holds points (x, y, ...) [m], the same before and after."""
+    low, high = np.nanmin(shown[:, :2], axis=0), np.nanmax(shown[:, :2], axis=0)
+    margin = 0.05 * max(float(np.max(high - low)), 0.02)
+    axis.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
+    axis.set(aspect="equal", title=title, xlabel="x [m]", ylabel="y [m]")

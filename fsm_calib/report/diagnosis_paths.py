@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,7 +24,7 @@ class Drive:
 
     title; judged : it took no part in the fit; states : (start, end, name) spans [s, s]; before, after : errors over
     the horizon; path : (n, 3) measured x, y [m], theta [rad] at `time` (n,) [s]; paths_before, paths_after : lists of
-    (m, 2) predicted x, y [m], each from a measured start.
+    (m, 2) predicted x, y [m], each from a measured start; is_improved : effects were found, and after is not before.
     """
 
     title: str
@@ -37,6 +37,7 @@ class Drive:
     path: FloatArray
     paths_before: list[FloatArray]
     paths_after: list[FloatArray]
+    is_improved: bool = True
 
     def track(self, most: int) -> list[list[float | None]]:
         """Return at most so many rows of time [s] and place x, y [m]; None where the place is not known."""
@@ -64,7 +65,8 @@ def drives(diagnosis: Diagnosis) -> list[Drive]:
         after = on_new_recording(Engine((simulator,)), decision.model.fit)
         steps = simulator.increments(decision.base.values[:1])[0], simulator.increments(after)[0]
         found.append(_drive(simulator.prepared, windows, steps, judged=True))
-    return found
+    improved = bool(decision.model.effects)
+    return [replace(drive, is_improved=improved) for drive in found]
 
 
 def _drive(

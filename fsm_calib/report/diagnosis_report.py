@@ -73,6 +73,7 @@ def diagnosis_page(diagnosis: Diagnosis) -> str:
         ranking=ranking_rows(diagnosis),
         ranked_out=ranked_out(diagnosis),
         drives=drawn(diagnosis),
+        improved=bool(decision.model.effects),
         command=command(diagnosis),
         seconds=verdict.seconds,
     )
@@ -198,8 +199,9 @@ def tail_error(windows: Sequence[Windows]) -> tuple[float, float]:
 
 
 def _error(position: float, heading: float) -> str:
-    said = [f"{1e3 * position:.1f} mm"] if np.isfinite(position) else []
-    return ", ".join([*said, f"{np.degrees(heading):.2f} deg"] if np.isfinite(heading) else said) or "-"
+    parts = ((1e3 * position, ".1f", "mm"), (np.degrees(heading), ".2f", "deg"))
+    said = [f"{value:{form}}\N{NO-BREAK SPACE}{unit}" for value, form, unit in parts if np.isfinite(value)]
+    return ", ".join(said) or "-"
 
 
 def parameter_rows(diagnosis: Diagnosis) -> list[Row]:

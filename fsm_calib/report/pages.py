@@ -15,7 +15,7 @@ FIGURE = re.compile(r'<svg\b[^>]*\brole="img"[^>]*>.*?</svg>', re.DOTALL)
 VIEW_BOX = re.compile(r'viewBox="[\d.]+ [\d.]+ ([\d.]+) [\d.]+"')
 TABLE = re.compile(r"<table.*?</table>", re.DOTALL)
 WIDE = 400.0
-"""Figures wider than this [px] scroll inside the page on a phone; narrower ones shrink."""
+"""Figures drawn wider than this [px] scroll inside the page on a phone, so that words stay readable; others shrink."""
 FEWEST_CONTENTS = 4
 """Pages with fewer sections need no table of contents."""
 
@@ -55,9 +55,14 @@ def finished(html: str) -> str:
     )
 
 
+def beside(*figures: str) -> str:
+    """Return figures beside each other, below each other where a page is narrow."""
+    return f'<div class="pair">{"".join(f"<div>{figure}</div>" for figure in figures)}</div>'
+
+
 def _figure(found: re.Match[str]) -> str:
-    """Return a figure, in a box of its own when it is wide."""
+    """Return a figure, when it is wide in a box of its own that knows how wide it was drawn."""
     box = VIEW_BOX.search(found[0])
     if box is None or float(box[1]) <= WIDE:
         return found[0]
-    return f'<div class="wide">{found[0]}</div>'
+    return f'<div class="wide" style="--width: {float(box[1]):.0f}px">{found[0]}</div>'

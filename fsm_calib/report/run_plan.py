@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from fsm_calib.report.pages import beside
 from fsm_calib.report.palette import BOARD_COLOURS, BOARD_INKS, INK, PHASE_COLOURS, TEXT
 from fsm_calib.report.plot import Axes, Box, figure
 from fsm_calib.report.plot_scale import limits
@@ -33,28 +34,28 @@ WALL = "#7a4b2a"
 """Colour of walls."""
 PATH_STEP = 0.006
 """Length of path between the points that are drawn [m]: half a pixel of the area."""
-SIZE = (1100.0, 560.0)
-WHOLE = Box(58.0, 50.0, 520.0, 460.0)
-CLOSE = Box(650.0, 50.0, 440.0, 460.0)
-"""Size of the figure and places of its two plans [px]."""
+SIZE = (400.0, 420.0)
+PLACE = Box(58.0, 64.0, 332.0, 300.0)
+"""Size of a plan and the room of what is drawn in it [px]."""
 
 
 def floor_plan(record: RunRecord) -> str:
-    """Return the floor plan as SVG: the whole area, and the boards with the views of them."""
+    """Return the floor plan as two figures: the whole area, and the boards with the views of them."""
     corners = np.vstack([*scene_corners(record.scene), record.track[:, 1:3]])
     xlim, ylim = limits(corners[:, 0]), limits(corners[:, 1])
     xlim = (xlim[0], xlim[1] + LABEL)
-    whole = Axes(WHOLE.shrunk(xlim, ylim), xlim, ylim)
+    whole = Axes(PLACE.shrunk(xlim, ylim), xlim, ylim)
     x, y = record.track[0, 1:3]
     xlim, ylim = (x - 0.75 * NEAR, x + 1.25 * NEAR), (y - NEAR, y + NEAR)
-    near = Axes(CLOSE.shrunk(xlim, ylim), xlim, ylim)
+    near = Axes(PLACE.shrunk(xlim, ylim), xlim, ylim)
     for axes in (whole, near):
         draw_scene(axes, record.scene)
         draw_track(axes, record, is_named=axes is whole)
     draw_views(near, record)
     whole.frame("x [m]", "y [m]", "the area")
     near.frame("x [m]", "y [m]", "around the start: where a board was seen from")
-    return figure(*SIZE, "Floor plan with the driven path", whole, near)
+    plans = {"Floor plan with the driven path": whole, "Floor plan around the start": near}
+    return beside(*(figure(*SIZE, label, axes) for label, axes in plans.items()))
 
 
 def draw_scene(axes: Axes, scene: SceneSpec) -> None:
