@@ -38,6 +38,11 @@ def on_post_page(output: str, **_) -> str:
     )
 
 
+def on_post_template(output: str, **_) -> str:
+    """Do the same for the page that is shown where an address leads to nothing."""
+    return on_post_page(output)
+
+
 def on_files(files: Files, config) -> Files:
     """Add what pages link to outside docs/, what those pages link to, and the page of commands."""
     waiting = [ROOT / name for name in ALWAYS]
