@@ -1,5 +1,7 @@
 """Small simulated drives for the tests of the diagnosis: poses with white noise of a robot with known physics."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from fsm_calib.diagnosis.fitting.fit import Engine
@@ -7,7 +9,7 @@ from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict.decide import Judge
-from fsm_calib.recording.channels import CommandTrack, PoseTrack
+from fsm_calib.recording.channels import CommandTrack, PoseTrack, WheelPair
 from fsm_calib.recording.recording import Recording, RobotFacts
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
@@ -18,6 +20,7 @@ GAIN_LEFT, GAIN_RIGHT = 0.66, 0.61  # m/s
 POSITION_NOISE, HEADING_NOISE = 0.002, 0.006  # m, rad
 RATE = 15.0  # Hz
 START = (0.1, -0.1, 0.4)  # m, m, rad
+ENCODER_RATE, TICK = 60.0, 2.0 * np.pi / 1600.0  # Hz, rad
 
 
 def drive(rng, duration=40.0):
@@ -53,6 +56,21 @@ def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, **changes):
         pose=PoseTrack(stamps, *poses.T),
         source=f"drive-{seed}",
     )
+
+
+def with_encoders(seed, late=0.0, **changes):
+    """Return a recording with encoders, the right one `late` [s] behind its wheel."""
+    seen = recording(seed, **changes)
+    command = seen.command
+    times = np.arange(0.2, 39.0, 1.0 / ENCODER_RATE)
+    commands = Drive(command.time, command.left, command.right)
+
+    def angles(at):
+        found = predict(robot(**changes), commands, seen.pose.time, START, wheel_times=at).wheel_angles
+        return TICK * np.round(found / TICK)
+
+    pair = WheelPair(times, angles(times)[:, 0], angles(times - late)[:, 1], resolution=TICK)
+    return replace(seen, wheel_angle=pair)
 
 
 def judged(names, gates=DEFAULT_GATES, **changes):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import START, recording, robot
+from diagnosis_robots import recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
@@ -12,26 +12,6 @@ from fsm_calib.diagnosis.proof.in_poses import shown_in_poses, without_encoders
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict.decide import decide
-from fsm_calib.recording.channels import WheelPair
-from fsm_calib.world2d.observation import predict
-from fsm_calib.world2d.rollout import Drive
-
-ENCODER_RATE, TICK = 60.0, 2.0 * np.pi / 1600.0  # Hz, rad
-
-
-def with_encoders(seed, late=0.0, **changes):
-    """A drive with encoders, the right one `late` [s] behind its wheel."""
-    seen = recording(seed, **changes)
-    command = seen.command
-    times = np.arange(0.2, 39.0, 1.0 / ENCODER_RATE)
-    commands = Drive(command.time, command.left, command.right)
-
-    def angles(at):
-        found = predict(robot(**changes), commands, seen.pose.time, START, wheel_times=at).wheel_angles
-        return TICK * np.round(found / TICK)
-
-    pair = WheelPair(times, angles(times)[:, 0], angles(times - late)[:, 1], resolution=TICK)
-    return replace(seen, wheel_angle=pair)
 
 
 def simulators(*recordings):

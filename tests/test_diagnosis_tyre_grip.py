@@ -1,8 +1,8 @@
-"""The grip of the tyres: free where the recordings ask for it, at its nominal value where nothing shows it."""
+"""The grip and the slip ratio of the tyres: free where recordings ask for them, nominal where nothing shows them."""
 
 import diagnosis_robots
 import pytest
-from diagnosis_robots import judged, recording
+from diagnosis_robots import judged, recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.tyre_grip import fit_base_on_floor
 from fsm_calib.diagnosis.fitting.fit import Engine
@@ -32,9 +32,14 @@ def reversals(rng, duration=40.0):
 
 def grip_of(places=(), **changes):
     """Return the fitted grip [1] and its standard deviation; None where it was held."""
-    engine = Engine(tuple(make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1)))
+    return number_of("friction", [recording(seed, **changes) for seed in (0, 1)], places)
+
+
+def number_of(name, recordings, places=()):
+    """Return a number of the base robot and its standard deviation; None where it was held."""
+    engine = Engine(tuple(make_simulator(prepare(r)) for r in recordings))
     fit = fit_base_on_floor(engine, [registry()[name] for name in places], NEEDED)
-    place = parameter_table().place("friction")
+    place = parameter_table().place(name)
     found = [(value, variance**0.5) for slot, value, variance in fit.numbers() if slot.place == place]
     return found[0] if found else None
 
@@ -66,3 +71,17 @@ def test_a_floor_of_little_grip_beside_a_place_is_free():
 def test_a_floor_of_little_grip_is_no_limit_of_the_motors(monkeypatch):
     monkeypatch.setattr(diagnosis_robots, "drive", reversals)
     assert judged(["command_saturation", "motor_asymmetric_lag"], friction=0.5).outcome == "match"
+
+
+def test_a_slip_that_grows_with_the_rolling_speed_shows_in_encoders():
+    value, sd = number_of("slip_ratio", [with_encoders(seed, slip_ratio=0.3) for seed in (0, 1)])
+    assert value == pytest.approx(0.3, abs=4.0 * sd)
+    assert sd < 0.05
+
+
+def test_a_slip_that_does_not_grow_with_the_rolling_speed_needs_no_ratio():
+    assert number_of("slip_ratio", [with_encoders(seed) for seed in (0, 1)]) is None
+
+
+def test_a_slip_ratio_is_held_where_no_encoder_shows_it():
+    assert number_of("slip_ratio", [recording(seed, slip_ratio=0.3) for seed in (0, 1)]) is None

@@ -55,6 +55,14 @@ def test_steady_curve_slips_outwards_by_the_tyres_compliance():
     assert lateral == pytest.approx(-0.0125 / (0.75 * 9.80665) * v * omega, rel=0.02)
 
 
+def test_a_rolling_tyre_slips_outwards_by_its_slip_ratio_too():
+    """l = -(s1 / mu g) v omega, s1^2 = s0^2 + kappa^2 (v^2 + (b omega / 2)^2)."""
+    states = simulate(parameters({"slip_ratio": 0.1}), Drive([0.0], [0.3], [0.5]), TIMES, (0, 0, 0))
+    v, lateral, omega = (column(states, n)[-1] for n in ("v", "v_lateral", "omega"))
+    at_half = math.hypot(0.0125, 0.1 * math.hypot(v, 0.05 * omega))
+    assert lateral == pytest.approx(-at_half / (0.75 * 9.80665) * v * omega, rel=0.03)
+
+
 def test_resting_robot_is_exactly_still():
     states = simulate(null_parameters(), Drive([0.0], [0.0], [0.0]), TIMES, (0.1, 0.2, 0.3))
     np.testing.assert_array_equal(states[:, :10], np.tile(states[0, :10], (len(TIMES), 1)))

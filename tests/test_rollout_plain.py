@@ -43,6 +43,7 @@ def rolled(vector, general, dt):
         {},
         {"gain_left": 0.7, "gain_right": 0.52, "wheel_radius_left": 0.033, "axle_length": 0.12},
         {"slip_speed": 1e-3, "friction": 0.3, "tau_forward": 0.03, "tau_turn": 0.05},
+        {"slip_ratio": 0.3, "slip_speed": 1e-3, "gain_left": 0.7},
         {"wheel_inertia": 0.0, "caster_share": 0.2, "mass": 2.5},
         {"command_delay.delay": 0.12, "motor_deadband.offset": 0.05},
     ],

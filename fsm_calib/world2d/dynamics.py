@@ -9,11 +9,14 @@ f the forces: linear in q with coefficients that are frozen over a step, and con
 +-b/2) obeys
 
     motor, wheel    m_w dw/dt = D (T - w) - F                 D = (m + 2 m_w) / (2 tau_forward) [N s/m]
-    tyre            (F, S) = mu N s / sqrt(|s|^2 + s0^2)      s = (w - v_i, -l) slip velocity [m/s]
+    tyre            (F, S) = mu N s / sqrt(|s|^2 + s1^2)      s = (w - v_i, -l) slip velocity [m/s]
+                    s1^2 = s0^2 + kappa^2 (v^2 + (b omega / 2)^2)
 
 with rim speed w [m/s], no-load speed T = gain * command [m/s], speed of the axle's end v_i = v -+ omega b/2,
-friction coefficient mu [1], load N [N], slip speed s0 [m/s] and the rotating inertia as a mass at the rim,
-m_w = J / R^2 [kg]. tau_forward [s] and tau_turn [s] are the time constants of the robot on gripping tyres:
+friction coefficient mu [1], load N [N] and the rotating inertia as a mass at the rim, m_w = J / R^2 [kg]. The slip
+speed s0 [m/s] is that of a tyre that does not roll; where it rolls, its tread is dragged along only as long as it is in
+contact, and slip over rolling speed counts, the slip ratio kappa [1] (v^2 + (b omega / 2)^2: the mean square of both
+wheels' speeds). tau_forward [s] and tau_turn [s] are the time constants of the robot on gripping tyres:
 yaw inertia enters as tau_turn = (I + m_w b^2/2) / (D b^2/2).
 
 The torque-speed line is that of a permanent-magnet motor, tau = stall (g u - rate/no_load): T = g no_load R u
@@ -24,9 +27,9 @@ Method: driven wheels enter by the tangent of their crossing, sliding and dry fr
 any step, adds no energy (tangents and secants are positive and G is antisymmetric), is exactly still at
 standstill, and nearly of second order. Positions follow from the mean of the old and the new velocity.
 
-Sources: torque-speed line and combined slip as in Pacejka, Tyre and Vehicle Dynamics, 3rd ed. 2012, sections
-1.2.2 and 3.2 (saturating law of the slip vector); linearly implicit stepping of stiff friction as in Hairer &
-Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section IV.7; Duckiebot data in
+Sources: torque-speed line, slip ratio and combined slip as in Pacejka, Tyre and Vehicle Dynamics, 3rd ed. 2012,
+sections 1.2.1, 1.2.2 and 3.2 (saturating law of the slip vector); linearly implicit stepping of stiff friction as in
+Hairer & Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section IV.7; Duckiebot data in
 `parameters`.
 """
 
@@ -71,6 +74,7 @@ from fsm_calib.world2d.slots import (
     SIDE_COMPLIANCE,
     SIDE_DRIFT,
     SIN,
+    SLIP_RATIO,
     SLIP_SPEED,
     STEP,
     TARGET,
@@ -84,7 +88,7 @@ from fsm_calib.world2d.slots import (
 from fsm_calib.world2d.tyres import meet_ground, settle, turn_wheel
 
 GAIN, AXLE, TAU_FORWARD, TAU_TURN, WHEEL_RADIUS, BODY_MASS = 0, 2, 3, 4, 5, 7
-FRICTION, TYRE_SLIP, CASTER_SHARE, WHEEL_INERTIA = 8, 9, 10, 11
+FRICTION, TYRE_SLIP, CASTER_SHARE, WHEEL_INERTIA, TYRE_RATIO = 8, 9, 10, 11, 12
 """Places of the base parameters in the parameter vector P (`parameters.BASE` names them in this order)."""
 
 LEAST_RATIO = 0.1
@@ -101,6 +105,7 @@ def begin_base(P, W):
     W[:] = 0.0
     W[MASS], W[HALF_AXLE] = mass, half
     W[RADIUS], W[RADIUS + 1] = P[WHEEL_RADIUS], P[WHEEL_RADIUS + 1]
+    W[SLIP_RATIO] = P[TYRE_RATIO]
     ratio = P[TAU_TURN] / P[TAU_FORWARD]
     rotating = P[WHEEL_INERTIA] / (0.5 * (W[RADIUS] + W[RADIUS + 1])) ** 2
     if ratio < 1.0:

@@ -12,7 +12,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.arithmetic import ARITHMETIC
-from fsm_calib.world2d.dynamics import FRICTION, GAIN, TYRE_SLIP, small_rotation
+from fsm_calib.world2d.dynamics import FRICTION, GAIN, TYRE_RATIO, TYRE_SLIP, small_rotation
 from fsm_calib.world2d.slots import (
     ANGLE,
     BASE_DRIVE,
@@ -69,6 +69,7 @@ def glide(P, W, S, late, times, level_l, total_l, level_r, total_r, samples, lim
     m, inertia, half, rotating, base = W[MASS], W[INERTIA], W[HALF_AXLE], W[ROTATING], W[BASE_DRIVE]
     grip_l, grip_r = P[FRICTION] * W[LOAD], P[FRICTION] * W[LOAD + 1]
     gain_l, gain_r, least2 = P[GAIN], P[GAIN + 1], P[TYRE_SLIP] * P[TYRE_SLIP]
+    ratio2 = P[TYRE_RATIO] * P[TYRE_RATIO]
     radius_l, radius_r, lag = W[RADIUS], W[RADIUS + 1], 1.0 / DAMPED_MIDDLE
     x, y, theta, v, l, omega = S[X], S[Y], S[THETA], S[V], S[L], S[OMEGA]
     c, s, rim_l, rim_r = S[HEADING_COS], S[HEADING_SIN], S[RIM], S[RIM + 1]
@@ -93,8 +94,8 @@ def glide(P, W, S, late, times, level_l, total_l, level_r, total_r, samples, lim
             to_l, to_r = total_l[j] + level_l[j] * (t - times[j]), total_r[j] + level_r[j] * (t - times[j])
             free_l = (base * gain_l * ((to_l - at_l) * per_second) + inert * rim_l) * share
             free_r = (base * gain_r * ((to_r - at_r) * per_second) + inert * rim_r) * share
-            at_l, at_r, floor2 = to_l, to_r, l * l + least2
-            v_l, v_r = v - half * omega, v + half * omega
+            at_l, at_r, v_l, v_r = to_l, to_r, v - half * omega, v + half * omega
+            floor2 = l * l + least2 + ratio2 * 0.5 * (v_l * v_l + v_r * v_r)
             new_l, new_r = slips_at_crossing(
                 (free_l - v_l, free_r - v_r),
                 (drive, drive),

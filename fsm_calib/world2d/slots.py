@@ -81,7 +81,9 @@ HOOKED = 52
 """Whether any effect acts in a step (1) or none (0)."""
 SIDE_DRIFT = 53
 """Sideways speed that bent tyres and springs add to the motion without a force of their own [m/s]."""
-BENCH_SIZE = 54
+SLIP_RATIO = 54
+"""Slip over rolling speed at which a rolling tyre passes 1/sqrt(2) of its grip [1]."""
+BENCH_SIZE = 55
 
 # ---- constants of the world ----
 GRAVITY = 9.80665

@@ -20,6 +20,7 @@ from fsm_calib.world2d.slots import (
     RADIUS,
     RIM,
     ROTATING,
+    SLIP_RATIO,
     SLIP_SPEED,
     SLIP_TREND,
     STEP,
@@ -87,7 +88,8 @@ def meet_ground(S, W, v_l, v_r, across):
     speed. Dry friction of the drive train shifts the line against the rotation. Engaged wheels that keep their
     direction are solved side by side, all others alone.
     """
-    floor2 = across * across + W[SLIP_SPEED] * W[SLIP_SPEED]
+    rolling2 = 0.5 * (v_l * v_l + v_r * v_r)
+    floor2 = across * across + W[SLIP_SPEED] * W[SLIP_SPEED] + W[SLIP_RATIO] * W[SLIP_RATIO] * rolling2
     if W[ENGAGED] == 1.0 and W[ENGAGED + 1] == 1.0:
         inert = W[ROTATING] / (DAMPED_MIDDLE * W[STEP])
         rim_l, rim_r, dry_l, dry_r = S[RIM], S[RIM + 1], W[DRY], W[DRY + 1]
