@@ -21,6 +21,7 @@ from fsm_calib.diagnosis.verdict.posterior import (
     LARGEST_LOG_ODDS,
     LEFT,
     MOVED,
+    PATCHY,
     REPLACED,
     SCALE,
     SURE,
@@ -28,22 +29,22 @@ from fsm_calib.diagnosis.verdict.posterior import (
     belief_of,
     shape_probability,
 )
-from fsm_calib.diagnosis.verdict.support import RivalGap, Support
+from fsm_calib.diagnosis.verdict.support import STEADY, RivalGap, Support
 
 NEVER = 1e9  # evidence that settles a question
 FORMS = {"instead": -100.0, "beside": 0.0, "instead_quantities": ("speed",), "beside_quantities": ("turn",)}
 
 
 def support(
-    name: str = "tyre_scrub", *, added: float = NEVER, rivals: dict[str, float] | None = None,
-    moved: float = 0.0, **forms: object,
+    name: str = "motor_deadband", *, added: float = NEVER, spread: float = 0.0, share: float = 1.0,
+    rivals: dict[str, float] | None = None, moved: float = 0.0, **forms: object,
 ) -> Support:  # fmt: skip
     """A support of an effect, with the gaps in evidence to its rivals and what un-named forms do."""
     gaps = tuple(RivalGap(n, Gap(gap, 0.0), None) for n, gap in (rivals or {}).items())  # type: ignore[arg-type]
     effect, law = SimpleNamespace(name=name), SimpleNamespace(moved=moved)
     said = FORMS | forms
     contest = SimpleNamespace(stand_in=said["instead"], **said)
-    return Support(effect, None, Gap(added, 0.0), gaps, law, contest)  # type: ignore[arg-type]
+    return Support(effect, None, Gap(added, spread), share, gaps, law, contest)  # type: ignore[arg-type]
 
 
 def odds(probability: float) -> float:
@@ -73,6 +74,21 @@ def test_a_law_that_is_another_one_in_each_drive_counts_against_it() -> None:
     assert odds(shape_probability(support(moved=0.3))) == pytest.approx(SURE - MOVED * 0.3)
 
 
+@pytest.mark.parametrize("share", [0.1, 0.5])
+def test_uneven_evidence_beside_stronger_effects_counts_against_a_name(share: float) -> None:
+    uneven = support(added=100.0, spread=50.0, share=share)
+    patchy = (1.0 - share) * math.log1p(STEADY * 0.5)
+    assert odds(shape_probability(uneven)) == pytest.approx(SURE - PATCHY * patchy)
+
+
+def test_what_stands_alone_is_no_patch_however_uneven() -> None:
+    assert support(added=100.0, spread=100.0, share=1.0).patchy == 0.0
+
+
+def test_what_every_robot_has_is_no_patch() -> None:
+    assert support("payload_offset", added=100.0, spread=100.0, share=0.01).patchy == 0.0
+
+
 @pytest.mark.parametrize("moved", [-0.3, math.nan])
 def test_what_speaks_for_one_law_or_cannot_be_asked_adds_nothing(moved: float) -> None:
     assert odds(shape_probability(support(moved=moved))) == pytest.approx(SURE)
@@ -89,14 +105,14 @@ def test_a_name_is_as_probable_as_that_it_adds_anything() -> None:
 
 def test_a_rival_that_the_data_cannot_tell_stands_beside_the_name_and_takes_nothing() -> None:
     belief = belief_of(support(rivals={"caster_drag": evidence_of(TOLD_APART - 0.01)}))
-    assert belief.among == ("tyre_scrub", "caster_drag")
+    assert belief.among == ("motor_deadband", "caster_drag")
     assert belief.probability == pytest.approx(shape_probability(support()))
 
 
 def test_a_rival_that_is_beaten_takes_its_odds() -> None:
     rivals = {"caster_drag": evidence_of(0.97), "payload_offset": evidence_of(0.96)}
     belief = belief_of(support(rivals=rivals))
-    assert belief.among == ("tyre_scrub",)
+    assert belief.among == ("motor_deadband",)
     against = 0.03 / 0.97 + 0.04 / 0.96
     assert belief.probability == pytest.approx(shape_probability(support()) / (1.0 + against))
 
@@ -117,19 +133,23 @@ def test_a_rival_that_is_beaten_takes_its_odds() -> None:
             "leaves what depends on turn",
         ),
         (
+            support(added=100.0, spread=60.0, share=0.1, beside_quantities=()),
+            "may only mend what is inexact in stronger effects",
+        ),
+        (
             support(added=100.0, beside=20.0, beside_quantities=(), moved=0.25),
             "each drive asks for another size (25 % is lost)",
         ),
         (support(moved=0.25), "each drive asks for another size"),
-        (support(), "nearest: tyre_scrub or caster_drag, but not surely enough for a name"),
+        (support(), "nearest: motor_deadband or caster_drag, but not surely enough for a name"),
     ],
 )
 def test_why_a_name_is_not_given_is_said(weighed: Support, said: str) -> None:
-    belief = Belief(weighed.effect, 0.5, ("tyre_scrub", "caster_drag"))
+    belief = Belief(weighed.effect, 0.5, ("motor_deadband", "caster_drag"))
     model = Model((), None, None, (), None, (weighed,), (belief,))  # type: ignore[arg-type]
     sentence = decide._complaint(model)
     assert said in sentence
-    assert "tyre_scrub or caster_drag" in sentence
+    assert "motor_deadband or caster_drag" in sentence
 
 
 def judge() -> Judge:

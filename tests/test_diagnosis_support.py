@@ -38,7 +38,7 @@ def support(rivals=(), moved=0.0, instead=-100.0, beside=-10.0, added=400.0, sta
     effect = Ranked(Hypothesis("floor_tilt", ("slope_x",)), None, added, 0.5 * added)
     gaps = tuple(RivalGap(name, Gap(evidence, 20.0), None) for name, evidence in rivals)
     forms = Contest(instead, (), beside, (), instead if stand_in is None else stand_in, added)
-    return Support(effect, None, Gap(added, 30.0), gaps, OneLaw(moved, ()), forms)
+    return Support(effect, None, Gap(added, 30.0), 1.0, gaps, OneLaw(moved, ()), forms)
 
 
 def fitted(engine, base, name):

@@ -22,7 +22,9 @@ KINEMATICS = (
 SPREAD = "gains of 32 real robots: right over left 0.78 to 1.19 (Duckietown calibration logs)"
 MODEL = "duckietown-world pwm_dynamics.py: 0.2 and 0.25 s in the DB18 model; 1.1 kg, 0.2 N m: 0.08, 0.15 s"
 ROTOR = "a rotor of 1.2e-7 kg m2 behind 48:1 gears; a third of a Duckiebot's inertia, assumed"
-SLIP_RATIO = "0.03 to 0.1 on car tyres, more on soft rubber (Pacejka 2012, section 1.2.1); contacts of simulators: 0"
+SLIP_RATIO = (
+    "0.03 to 0.1 on car tyres, more on soft rubber (Pacejka 2012, section 1.2.1); contacts of simulators: 0"
+)
 ASSUMED = "assumed; no published measurement was found"
 
 BASE: tuple[Parameter, ...] = (

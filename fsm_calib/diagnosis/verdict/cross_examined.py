@@ -34,19 +34,17 @@ def supports_of(engine: Engine, selection: Selection, least: float) -> tuple[Sup
     least : probability that a name must have to be said.
     """
     remainder = Remainder.of(engine, selection.fit)
+    gaps = [gap_between(engine, selection.fit, less) for less in selection.dropped]
+    together = sum(max(gap.evidence, 0.0) for gap in gaps)
     found: list[Support] = []
-    for effect, less in zip(selection.effects, selection.dropped, strict=True):
-        support = _by_forms(remainder, effect, less)
+    for effect, less, added in zip(selection.effects, selection.dropped, gaps, strict=True):
+        share = max(added.evidence, 0.0) / max(together, 1.0)
+        forms = contest(remainder, less, [effect.name])
+        support = Support(effect, less, added, share, (), OneLaw(math.nan, ()), forms)
         if not found or belief_of(support).probability >= least:
             support = _examined(engine, selection, support)
         found.append(support)
     return tuple(found)
-
-
-def _by_forms(remainder: Remainder, effect: Ranked, less: Fit) -> Support:
-    """Return what forms say of an effect; its rivals and its drives are not asked yet."""
-    added = gap_between(remainder.engine, remainder.fit, less)
-    return Support(effect, less, added, (), OneLaw(math.nan, ()), contest(remainder, less, [effect.name]))
 
 
 def _examined(engine: Engine, selection: Selection, support: Support) -> Support:

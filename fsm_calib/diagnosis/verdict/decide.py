@@ -205,6 +205,8 @@ def _complaint(model: Model) -> str:
         )
     if support.moved > 0.0:
         return f"{nearest} comes nearest, but each drive asks for another size ({100 * support.moved:.0f} % is lost)"
+    if support.patchy > 0.5:
+        return f"{nearest} comes nearest, but may only mend what is inexact in stronger effects"
     return f"nearest: {nearest}, but not surely enough for a name"
 
 

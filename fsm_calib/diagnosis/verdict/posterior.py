@@ -2,10 +2,12 @@ r"""How sure is a name? It must add something, beat its rivals, and be the law t
 
     P(name) = P(added > 0) / (1 + sum_r (1 - p_r) / p_r) P(shape)
     log odds of shape = SURE - LEFT log(1 + i left / SCALE) - REPLACED max(replaced, 0) - MOVED max(moved, 0)
+                        - PATCHY patchy
 
 added, p_r : from the gaps in evidence over nothing and over rival r, each tempered by its own spread from second to
 second (`proof/gap.py`). left, replaced, moved [1] : shares of what the name explains that un-named forms explain beside
-it, or better in its place, and that is another law in each drive (`verdict/support.py`). A right name whose equation
+it, or better in its place, and that is another law in each drive; patchy [1] : how well it could mend what is inexact
+in stronger effects (`verdict/support.py`). A right name whose equation
 is another than ours and a wrong neighbour differ in these shares, not in sizes. The numbers were set on opened
 development robots (`benchmarks/concealed`, `benchmarks/engine` with the mass behind the axle, `benchmarks/foreign`
 seed 1), right names against names given when the true one had been taken out of the catalogue; no sealed robot was
@@ -25,6 +27,7 @@ SURE = 3.2  # log odds of a name that leaves nothing
 LEFT, SCALE = 1.5, 0.05  # even odds where forms still explain four tenths of what the name does
 REPLACED = 3.0  # log odds a share by which forms do better in the name's place
 MOVED = 4.0  # log odds a share that is another law in each drive
+PATCHY = 1.8  # log odds a unit by which a name among stronger ones has uneven evidence
 
 LARGEST_LOG_ODDS = 30.0
 
@@ -59,5 +62,6 @@ def shape_probability(support: Support) -> float:
         - LEFT * math.log1p(support.left * support.interchangeable / SCALE)
         - REPLACED * max(support.replaced, 0.0)
         - MOVED * max(support.moved, 0.0)
+        - PATCHY * support.patchy
     )
     return 1.0 / (1.0 + math.exp(-max(min(log_odds, LARGEST_LOG_ODDS), -LARGEST_LOG_ODDS)))

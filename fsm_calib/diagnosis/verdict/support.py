@@ -13,6 +13,8 @@ from fsm_calib.diagnosis.proof.gap import Gap
 from fsm_calib.diagnosis.proof.one_law import OneLaw
 from fsm_calib.world2d.effects import registry
 
+STEADY = 6.0  # evidence over its spread from second to second, at which a law's and a patch's are told apart
+
 
 @dataclass(frozen=True, slots=True)
 class RivalGap:
@@ -27,14 +29,15 @@ class RivalGap:
 class Support:
     """What is known about one effect of a model.
 
-    effect : as it stands in the model; without : the model without it, re-fitted; added : evidence over that; rivals :
-    names fitted in its place, nearest first; law : is it one in all drives; forms : un-named forms in its place, and
-    beside the whole model.
+    effect : as it stands in the model; without : the model without it, re-fitted; added : evidence over that;
+    share : of what all effects of the model add, 0 to 1; rivals : names fitted in its place, nearest first;
+    law : is it one in all drives; forms : un-named forms in its place, and beside the whole model.
     """
 
     effect: Ranked
     without: Fit
     added: Gap
+    share: float
     rivals: tuple[RivalGap, ...]
     law: OneLaw
     forms: Contest
@@ -66,6 +69,17 @@ class Support:
         """
         share = 1.0 + self.forms.stand_in / max(self.added.evidence, 1.0)
         return 1.0 if is_event(registry()[self.name]) else min(max(share, 0.0), 1.0)
+
+    @property
+    def patchy(self) -> float:
+        """How well it could be a patch on what is inexact in the other effects, 0 to infinity.
+
+        (1 - share) log(1 + STEADY spread / added): the others' part of the evidence, and how unevenly its own lies over
+        the drives' seconds. Physics that every robot has needs no such excuse.
+        """
+        if registry()[self.name].universal:
+            return 0.0
+        return (1.0 - self.share) * math.log1p(STEADY * self.added.spread / max(self.added.evidence, 1.0))
 
     @property
     def moved(self) -> float:

@@ -76,4 +76,5 @@ EFFECT = Effect(
     ),
     order=70,
     dissipative=True,
+    universal=True,
 )

@@ -42,6 +42,7 @@ reads     what a step takes of the whereabouts: ``place``, ``heading``, ``wheel_
 inexact   how far the equation itself may be off, as a share of a strength; 0 means by its unit: 20 % of what holds
           mass (a force told by speeds), 3 % of anything else. `Parameter.doubt` overrules it for one number
 prior     of a parameter: standard deviation about its null value that is expected before any data
+universal no robot is without it (its mass is never quite over the axle): a little of it needs less proof than a fault
 
 A place or a time is searched by the scan for what it `acts_on`, or by simulation where none is declared. All words
 (`vocabulary`) are checked, and an unknown one is refused with the nearest.
@@ -72,11 +73,11 @@ class Effect:
     shows; `family` groups effects that a report may name together when it cannot decide; `rivals` are the
     names it is easily taken for, `separates` says what tells them apart and `manoeuvre` which drive shows it;
     `sentence` is the report's line, with ``{parameter}`` for fitted values; `where`, `when`, `acts_on`, `reads`,
-    `inexact`, `phenomenon` and `closures`: see the module's text; `memory` counts the state slots that the step hook
-    keeps; `order` sorts hooks within a stage (small first); `input` says which drives can show it: any, commands
-    (measured wheel speeds have their motors behind them), commanded twists, or drives whose wheels were measured by us
-    or by the robot's own controller; `jumps` says that the pose itself jumps at the edge of a place; `phenomenon`
-    defaults to the name in words.
+    `inexact`, `universal`, `phenomenon` and `closures`: see the module's text; `memory` counts the state slots that the
+    step hook keeps; `order` sorts hooks within a stage (small first); `input` says which drives can show it: any,
+    commands (measured wheel speeds have their motors behind them), commanded twists, or drives whose wheels were
+    measured by us or by the robot's own controller; `jumps` says that the pose itself jumps at the edge of a place;
+    `phenomenon` defaults to the name in words.
 
     Raises
     ------
@@ -107,6 +108,7 @@ class Effect:
     order: int = 50
     dissipative: bool = False
     jumps: bool = False
+    universal: bool = False
     input: Input = "any"
     summary: str = field(default="")
 

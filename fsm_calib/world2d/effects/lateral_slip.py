@@ -53,4 +53,5 @@ EFFECT = Effect(
     ),
     order=77,
     dissipative=True,
+    universal=True,
 )

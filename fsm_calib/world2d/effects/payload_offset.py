@@ -56,4 +56,5 @@ EFFECT = Effect(
     source="Dhaouadi & Abu Hatab 2013",
     closures=(Closure("offset", ("x", "y"), "the place of the mass, its size as declared"),),
     order=20,
+    universal=True,
 )

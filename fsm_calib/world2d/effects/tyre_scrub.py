@@ -74,4 +74,5 @@ EFFECT = Effect(
     ),
     order=76,
     dissipative=True,
+    universal=True,
 )
