@@ -27,7 +27,7 @@ SURE = 3.2  # log odds of a name that leaves nothing
 LEFT, SCALE = 1.5, 0.05  # even odds where forms still explain four tenths of what the name does
 REPLACED = 3.0  # log odds a share by which forms do better in the name's place
 MOVED = 4.0  # log odds a share that is another law in each drive
-PATCHY = 1.8  # log odds a unit by which a name among stronger ones has uneven evidence
+PATCHY = 1.4  # log odds a unit by which a name among stronger ones has uneven evidence
 
 LARGEST_LOG_ODDS = 30.0
 

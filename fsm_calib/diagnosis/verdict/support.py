@@ -13,7 +13,7 @@ from fsm_calib.diagnosis.proof.gap import Gap
 from fsm_calib.diagnosis.proof.one_law import OneLaw
 from fsm_calib.world2d.effects import registry
 
-STEADY = 6.0  # evidence over its spread from second to second, at which a law's and a patch's are told apart
+STEADY = 12.0  # evidence over its spread from second to second, at which a law's and a patch's are told apart
 
 
 @dataclass(frozen=True, slots=True)
