@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
+import socket
 import sys
+import threading
+from contextlib import closing
 from pathlib import Path
+from queue import Queue
 
 import pytest
-from served_robot import need_dtps, served_dtps
+from ros_rig import until
+from served_robot import dtps_node, need_dtps, served_dtps
 
 from fsm_calib.errors import InputError, LinkLost
+from fsm_calib.robots.address import parse_address
+from fsm_calib.robots.dtps.link import DtpsLink
+from fsm_calib.robots.dtps.outlet import DtpsOutlet
+from fsm_calib.robots.guard.outlet import Event
 from fsm_calib.robots.guard.pwm import Dither, command_of, floored, level_of
+from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.runner.connecting import with_robot
 from fsm_calib.runner.run import run_scenario
 from fsm_calib.scenario.load import scenario_from
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.scenario.yaml_source import parse_yaml
-from fsm_calib.types import STOP
+from fsm_calib.types import STOP, WheelCommand
 from fsm_calib.world2d.deviation import straight_deviation
+from fsm_calib.world2d.robot import WorldSpec, make_world
 
 ENTE = {"dead_zone": 0.2, "dropped": 0.1}
 
@@ -74,3 +85,48 @@ def test_without_the_library_the_cure_names_the_extra(
     monkeypatch.setitem(sys.modules, "dtps", None)
     with pytest.raises(InputError, match=r"fsm-calib\[dtps\]"):
         run_scenario(with_robot(scenario(), "dtps://127.0.0.1:9/duckie"), tmp_path)
+
+
+def test_a_guard_does_not_wait_until_a_command_is_taken() -> None:
+    need_dtps()
+    inbox: Queue[Event] = Queue()
+    woken = threading.Event()
+    with dtps_node(make_world(WorldSpec()), True) as (node, address):
+        with closing(DtpsOutlet(GuardSetup(parse_address(address)), inbox)) as outlet:
+            node.link._loop.call_soon_threadsafe(woken.wait)  # the switchboard hangs
+            outlet.send(WheelCommand(0.2, 0.2))
+            outlet.send(STOP)
+            assert outlet.sent == 2
+            woken.set()
+            until(lambda: node.station.robot.taken == 2, "both commands have arrived")
+        assert node.station.last_received == STOP
+    assert "lost" not in {event[0] for event in inbox.queue}
+
+
+def test_what_was_sent_has_left_when_a_guard_closes() -> None:
+    need_dtps()
+    with dtps_node(make_world(WorldSpec()), True) as (node, address):
+        with closing(DtpsOutlet(GuardSetup(parse_address(address)), Queue())) as outlet:
+            for number in range(5):
+                outlet.send(WheelCommand(0.01 * number, 0.0))
+        until(lambda: node.station.robot.taken == 5, "all five commands have arrived")
+        assert node.station.last_received == WheelCommand(0.04, 0.0)
+
+
+def test_a_switchboard_that_ends_is_a_lost_link_to_its_guard() -> None:
+    need_dtps()
+    inbox: Queue[Event] = Queue()
+    with dtps_node(make_world(WorldSpec()), True) as (_, address):
+        outlet = DtpsOutlet(GuardSetup(parse_address(address)), inbox)
+    with closing(outlet):
+        outlet.send(STOP)
+        kind, why = inbox.get(timeout=60.0)
+    assert kind == "lost"
+    assert parse_address(address).url in why
+
+
+def test_a_port_that_is_taken_is_told_with_another_ones_cure() -> None:
+    need_dtps()
+    with socket.create_server(("127.0.0.1", 0)) as taken, pytest.raises(LinkLost, match="--port") as told:
+        DtpsLink(f"create:http://127.0.0.1:{taken.getsockname()[1]}/", "duckie")
+    assert "create:" not in str(told.value)

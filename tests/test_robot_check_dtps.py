@@ -116,10 +116,9 @@ def test_a_slow_camera_is_bad(slow_robot: Checked) -> None:
     assert not finding.good
 
 
-def test_the_drivers_own_dead_zone_is_no_fault(slow_robot: Checked) -> None:
-    finding = slow_robot.found["least_command"]
-    assert finding.value == 0.22, finding.sentence
-    assert finding.good
+def test_no_command_in_the_drivers_dead_zone_is_called_the_least(slow_robot: Checked) -> None:
+    value = slow_robot.found["least_command"].value
+    assert value is None or value > SLOW["dead_zone"]
 
 
 def test_the_drivers_emergency_stop_is_pressed_and_released(slow_robot: Checked) -> None:

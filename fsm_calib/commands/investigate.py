@@ -11,8 +11,9 @@ import typer
 from fsm_calib.commands.files import STANDARD_OUTPUT, check_places, write_file
 from fsm_calib.commands.given import recordings_given
 from fsm_calib.commands.options import EffectsOption
-from fsm_calib.commands.run import confirm, read_scenario, with_seed
+from fsm_calib.commands.run import read_scenario, with_seed
 from fsm_calib.commands.run_place import run_directory
+from fsm_calib.commands.safety import confirm
 from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.errors import shown_lines
 
@@ -21,12 +22,9 @@ if TYPE_CHECKING:
     from fsm_calib.runner.progress import Observer
     from fsm_calib.scenario.models import Scenario
 
-SAFETY = """The robot at {address} will drive over the area's floor markers by itself, as fast as `investigate.command`.
-It stops itself at the area's edge, by what its own camera sees.
-Ctrl-C, a crash, a program that hangs and a pressed emergency stop put its wheels to zero within 0.3 s.
-When the network itself fails while it drives, nothing here can stop it: a Duckiebot with ROS 1 keeps its last command.
-Stay within reach of it, and keep it off tables."""
-"""Said before a real robot's wheels turn."""
+PLAN = """will drive over the area's floor markers by itself, as fast as `investigate.command`.
+It stops itself at the area's edge, by what its own camera sees."""
+"""What a real robot is about to do."""
 
 
 def register(app: typer.Typer) -> None:
@@ -84,7 +82,7 @@ def investigate_command(
     directory = run_directory(out, resume, overwrite=overwrite)
     if loaded.robot.connect != "simulated":
         refuse_blind(loaded, Before(calibration=calibration))
-        confirm(str(address_of(loaded)), yes, SAFETY)
+        confirm(address_of(loaded), yes, PLAN)
     with ProgressBar(()) as bar:
         going, result = investigate(
             loaded,

@@ -9,6 +9,7 @@ import typer
 
 from fsm_calib.commands.options import EffectsOption, MachinesOption, machinery_of
 from fsm_calib.commands.run_place import run_directory
+from fsm_calib.commands.safety import confirm
 from fsm_calib.commands.watch import watched
 from fsm_calib.errors import InputError
 
@@ -19,11 +20,8 @@ if TYPE_CHECKING:
     from fsm_calib.statechart.machinery import Machinery
 
 
-SAFETY = """The robot at {address} will turn on the spot and drive over the floor markers and into the lane, by itself.
-Ctrl-C, a crash, a program that hangs and a pressed emergency stop put its wheels to zero within 0.3 s.
-When the network itself fails while it drives, nothing here can stop it: a Duckiebot with ROS 1 keeps its last command.
-Stay within reach of it, and keep it off tables."""
-"""Said before a real robot's wheels turn."""
+PLAN = "will turn on the spot and drive over the floor markers and into the lane, by itself."
+"""What a real robot is about to do."""
 
 
 def register(app: typer.Typer) -> None:
@@ -75,7 +73,7 @@ def run(
     loaded = with_robot(with_seed(read_scenario(scenario, machinery), seed), robot)
     directory = run_directory(out, resume, overwrite=overwrite)
     if loaded.robot.connect != "simulated":
-        confirm(str(address_of(loaded)), yes)
+        confirm(address_of(loaded), yes, PLAN)
     if resume is None:
         write_area(directory, loaded)
     with watched(directory, watch):
@@ -110,20 +108,6 @@ def _drawn(movie: Path | None) -> Draw:
         return run_report(record)
 
     return draw
-
-
-def confirm(address: str, yes: bool, warning: str = SAFETY) -> None:
-    """Say what a real robot will do and what nothing here can prevent, and ask.
-
-    Raises
-    ------
-    InputError
-        Nobody agreed.
-    """
-    typer.echo(warning.format(address=address), err=True)
-    if yes or typer.confirm("Start?", err=True):
-        return
-    raise InputError("the run was not agreed to", where="--robot", cure="Answer y, or give --yes.")
 
 
 def read_scenario(path: Path, machinery: Machinery | None = None) -> Scenario:

@@ -17,9 +17,12 @@ PATIENCE = 10.0
 SEND = 1.0
 """Longest wait for a message to be taken, where a robot waits for it [s]."""
 CURE = "Check that the robot is on and that both are in one network; its switchboard may listen on 11511 or 11911."
+OWN = "create:"
+"""Before the URL of a switchboard that is made here."""
+OWN_CURE = "Give another --port, or end what listens there."
 
 Send = Callable[[Any], None]
-"""Publishes one message; raises `LinkLost`."""
+"""Publishes one message."""
 
 
 class DtpsLink:
@@ -44,7 +47,9 @@ class DtpsLink:
 
     def __init__(self, url: str, vehicle: str, send_timeout: float = SEND) -> None:
         dtps = load("dtps")
-        self._url, self._send_timeout = url, send_timeout
+        self._url, self._send_timeout = url.removeprefix(OWN), send_timeout
+        self._cure = OWN_CURE if url.startswith(OWN) else CURE
+        self._posted: list[concurrent.futures.Future[None]] = []
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True, name="dtps")
         self._thread.start()
@@ -67,11 +72,15 @@ class DtpsLink:
         future = asyncio.run_coroutine_threadsafe(work, self._loop)
         try:
             return future.result(timeout)
-        except concurrent.futures.TimeoutError as error:
-            future.cancel()
-            raise LinkLost(f"{self._url} did not answer within {timeout:g} s", cure=CURE) from error
         except Exception as error:  # the library raises bare ones; whatever it says, the link is of no use
-            raise LinkLost(f"{self._url}: {error or type(error).__name__}", cure=CURE) from error
+            future.cancel()
+            raise LinkLost(self._problem(error, timeout), cure=self._cure) from error
+
+    def _problem(self, error: BaseException, timeout: float) -> str:
+        """Return what an error says of the link."""
+        if isinstance(error, TimeoutError):
+            return f"{self._url} did not answer within {timeout:g} s"
+        return f"{self._url}: {str(error) or type(error).__name__}"
 
     def exists(self, topic: str) -> bool:
         """Tell whether a topic is there.
@@ -98,7 +107,7 @@ class DtpsLink:
         self.do((self._root / topic).subscribe(hear), PATIENCE)
 
     def publisher(self, topic: str) -> Send:
-        """Return what publishes on a topic."""
+        """Return what publishes on a topic and waits until the message was taken; it raises `LinkLost`."""
         publisher = self.do((self._root / topic).publisher(), PATIENCE)
 
         def send(item: Any) -> None:
@@ -106,11 +115,32 @@ class DtpsLink:
 
         return send
 
+    def poster(self, topic: str, lost: Callable[[str], None]) -> Send:
+        """Return what publishes on a topic without waiting; `lost` hears why a message was not taken in time.
+
+        Messages keep their order, and those on their way have left when the link is closed.
+        """
+        publisher, timeout = self.do((self._root / topic).publisher(), PATIENCE), self._send_timeout
+
+        def settled(posted: concurrent.futures.Future[None]) -> None:
+            error = None if posted.cancelled() else posted.exception()
+            if error is not None:
+                lost(self._problem(error, timeout))
+
+        def post(item: Any) -> None:
+            work = asyncio.wait_for(publisher.publish(item.to_rawdata()), timeout)
+            posted = asyncio.run_coroutine_threadsafe(work, self._loop)
+            self._posted = [earlier for earlier in self._posted if not earlier.done()] + [posted]
+            posted.add_done_callback(settled)
+
+        return post
+
     def close(self) -> None:
-        """End the connection; may be called twice."""
+        """End the connection when what was posted has left; may be called twice."""
         if self._closed:
             return
         self._closed = True
+        concurrent.futures.wait(self._posted, self._send_timeout)
         with contextlib.suppress(LinkLost):  # nobody may be left at the other end
             self.do(self._top.aclose(), PATIENCE)
         self._end_loop()

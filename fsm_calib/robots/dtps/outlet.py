@@ -42,7 +42,7 @@ class DtpsOutlet:
             if not self._link.exists(NAMES["wheels"]):
                 cure = "Check the vehicle's name, and that its wheel driver runs."
                 raise LinkLost(f"{address} has no {NAMES['wheels']}", cure=cure)
-            self._publish = self._link.publisher(NAMES["wheels"])
+            self._post = self._link.poster(NAMES["wheels"], lambda why: inbox.put(("lost", why)))
             self._listen()
         except BaseException:
             self._link.close()
@@ -74,12 +74,12 @@ class DtpsOutlet:
         return lambda item: self._inbox.put(("angle", side, item.data * 2.0 * math.pi / RESOLUTION))
 
     def send(self, command: WheelCommand) -> None:
-        """Publish a command; nobody to take it is a lost link."""
+        """Publish a command without waiting: a push ends in time, however long a message takes.
+
+        A message that nobody takes is a lost link.
+        """
         self._sent += 1
-        try:
-            self._publish(self._command(left=command.left, right=command.right))
-        except LinkLost as lost:
-            self._inbox.put(("lost", lost.problem))
+        self._post(self._command(left=command.left, right=command.right))
 
     def check_alone(self) -> None:
         """Check nothing: a switchboard does not tell who publishes."""

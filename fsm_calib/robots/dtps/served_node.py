@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.robots.dtps.library import message
-from fsm_calib.robots.dtps.link import DtpsLink
+from fsm_calib.robots.dtps.link import OWN, DtpsLink
 from fsm_calib.robots.dtps.topics import NAMES
 from fsm_calib.robots.guard.pwm import floored, level_of
 from fsm_calib.robots.served.settings import ServeSettings
@@ -68,7 +68,7 @@ class DtpsServedNode:
     ) -> None:
         self._encode, self._settings = encode, settings
         self.station = Station(world, settings, self, lockstep)
-        self.link = DtpsLink(f"create:http://{host}:{port}/", vehicle, TAKE)
+        self.link = DtpsLink(f"{OWN}http://{host}:{port}/", vehicle, TAKE)
         offered = NAMES.keys() - NOT_SERVED - (set() if settings.encoders else ENCODERS)
         for name in sorted(offered):
             self.link.create(NAMES[name], KEPT.get(name, KEPT_ELSE))
