@@ -1,7 +1,8 @@
-"""Robots calibrated through ROS 1 in lockstep: late and lost frames, late commands, whole PWM numbers, no truth.
+"""Robots calibrated through ROS 1 or DTPS in lockstep: late and lost frames, late commands, PWM numbers, no truth.
 
     python benchmarks/served_robots.py --robots 20                           camera 80 +- 10 ms, commands 5 +- 10 ms
     python benchmarks/served_robots.py --robots 20 --camera 0.15 --camera-jitter 0.05 --command 0.05
+    python benchmarks/served_robots.py --robots 2 --dtps                     ente's driver: nothing below a command of 0.2
 
 The master is the project's own; `--master http://127.0.0.1:11311/` takes a running roscore.
 """
@@ -17,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-from served_robot import served
+from served_robot import served, served_dtps
 
 from fsm_calib.errors import DataError
 from fsm_calib.perception.prediction import projection_difference
@@ -30,19 +31,27 @@ from fsm_calib.world2d.deviation import straight_deviation
 SCENARIO = Path(__file__).resolve().parents[1] / "scenarios" / "full_calibration.yaml"
 
 
-def run_one(seed: int, master: str, settings: dict[str, float]) -> dict:
+ENTE = {"dead_zone": 0.2}
+"""What ente's driver does otherwise than daffy's."""
+
+
+def run_one(seed: int, master: str | None, settings: dict[str, float]) -> dict:
+    """Return the row of one robot: behind a ROS master, or without one behind a DTPS switchboard."""
     scenario = load_scenario(SCENARIO).model_copy(update={"seed": seed})
     output = scenario.output.model_copy(update={"report": False, "recording": False, "frames": 0})
     scenario, began = scenario.model_copy(update={"output": output}), time.perf_counter()
-    with tempfile.TemporaryDirectory() as folder, served(scenario, master, **settings) as (node, client):
+    serving = (
+        served_dtps(scenario, **settings, **ENTE) if master is None else served(scenario, master, **settings)
+    )
+    with tempfile.TemporaryDirectory() as folder, serving as (node, client):
         finished = run_scenario(client, Path(folder))
-        notebook, truth = finished.session.run.bench.notebook, node.robot.world.truth
+        notebook, truth = finished.session.run.bench.notebook, node.station.robot.world.truth
         row = {
             "seed": seed,
             "outcome": finished.result["outcome"],
             "why": finished.result["failure"] or finished.result.get("lost") or {},
             "seconds": time.perf_counter() - began,
-            "at_rest": node.last_received == STOP,
+            "at_rest": node.station.last_received == STOP,
         }
         if notebook.camera is not None and notebook.figures is not None:
             row["px"] = projection_difference(notebook.camera, truth.camera).rms
@@ -62,6 +71,7 @@ def main() -> None:
     parser.add_argument("--camera-jitter", type=float, default=0.01)
     parser.add_argument("--command", type=float, default=0.01, help="jitter of the commands [s]")
     parser.add_argument("--master", default="")
+    parser.add_argument("--dtps", action="store_true", help="a switchboard in place of the master")
     given = parser.parse_args()
     settings = {
         "camera_latency": given.camera,
@@ -70,7 +80,7 @@ def main() -> None:
         "dropped": 0.1,
         "late": 0.05,
     }
-    master = given.master or Master().url
+    master = None if given.dtps else given.master or Master().url
     rows = []
     for seed in range(given.first, given.first + given.robots):
         row = run_one(seed, master, settings)

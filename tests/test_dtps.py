@@ -14,12 +14,17 @@ from ros_rig import until
 from served_robot import dtps_node, need_dtps, served_dtps
 
 from fsm_calib.errors import InputError, LinkLost
+from fsm_calib.perception.encoded import decode_image
 from fsm_calib.robots.address import parse_address
+from fsm_calib.robots.dtps.library import message
 from fsm_calib.robots.dtps.link import DtpsLink
 from fsm_calib.robots.dtps.outlet import DtpsOutlet
+from fsm_calib.robots.dtps.robot import DtpsRobot
+from fsm_calib.robots.dtps.topics import NAMES
 from fsm_calib.robots.guard.outlet import Event
 from fsm_calib.robots.guard.pwm import Dither, command_of, floored, level_of
 from fsm_calib.robots.guard.setup import GuardSetup
+from fsm_calib.robots.settings import LinkSettings
 from fsm_calib.runner.connecting import with_robot
 from fsm_calib.runner.run import run_scenario
 from fsm_calib.scenario.load import scenario_from
@@ -130,3 +135,31 @@ def test_a_port_that_is_taken_is_told_with_another_ones_cure() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken, pytest.raises(LinkLost, match="--port") as told:
         DtpsLink(f"create:http://127.0.0.1:{taken.getsockname()[1]}/", "duckie")
     assert "create:" not in str(told.value)
+
+
+def test_a_message_that_cannot_be_read_disturbs_no_guard() -> None:
+    need_dtps()
+    with dtps_node(make_world(WorldSpec()), True) as (node, address):
+        setup = GuardSetup(parse_address(address), LinkSettings(lockstep=True))
+        with closing(DtpsRobot(setup, decode_image)) as robot:
+            node.link.publisher(NAMES["executed"])(message("text")(data="no command"))
+            robot.run(WheelCommand(0.2, 0.2), 0.1)
+        assert node.station.robot.taken > 0
+
+
+def test_messages_that_come_at_once_are_all_heard() -> None:
+    need_dtps()
+    heard: list[int] = []
+    woken = threading.Event()
+    with (
+        dtps_node(make_world(WorldSpec()), True) as (node, address),
+        closing(DtpsLink(parse_address(address).url, "duckie")) as client,
+    ):
+        client.subscribe(NAMES["left_tick"], "integer", lambda item: heard.append(item.data))
+        client._loop.call_soon_threadsafe(woken.wait)  # the listener is busy
+        send = node.link.publisher(NAMES["left_tick"])
+        for number in range(100):
+            send(message("integer")(data=number))
+        woken.set()
+        until(lambda: heard and heard[-1] == 99, "the last message has come")
+    assert heard[-100:] == list(range(100))

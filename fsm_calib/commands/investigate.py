@@ -35,7 +35,8 @@ def register(app: typer.Typer) -> None:
 def investigate_command(
     scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)],
     robot: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="A real robot, such as ros1://HOST/VEHICLE.")
+        str | None,
+        typer.Option(metavar="ADDRESS", help="A real robot: ros1:// or dtps://HOST[:PORT]/VEHICLE."),
     ] = None,
     given: Annotated[
         list[str] | None,

@@ -105,9 +105,7 @@ def _serve_dtps(
 def check(
     robot: Annotated[
         str,
-        typer.Option(
-            metavar="ADDRESS", help="ros1://HOST[:PORT]/VEHICLE, or dtps:// with ente.", show_default=False
-        ),
+        typer.Option(metavar="ADDRESS", help="ros1:// or dtps://HOST[:PORT]/VEHICLE.", show_default=False),
     ],
     json_file: Annotated[
         Path | None, typer.Option("--json", metavar="FILE", help="Write the figures here, too.")

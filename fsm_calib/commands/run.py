@@ -50,7 +50,7 @@ def run(
         str | None,
         typer.Option(
             metavar="ADDRESS",
-            help="A real robot instead: ros1://HOST[:PORT]/VEHICLE.",
+            help="A real robot instead: ros1:// or dtps://HOST[:PORT]/VEHICLE.",
             show_default=False,
         ),
     ] = None,

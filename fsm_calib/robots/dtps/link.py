@@ -16,6 +16,8 @@ PATIENCE = 10.0
 """Longest wait for the switchboard when a connection is made [s]."""
 SEND = 1.0
 """Longest wait for a message to be taken, where a robot waits for it [s]."""
+WAITING = 1000
+"""Messages of a topic that may wait for their listener [1]: the library drops the oldest of more, by itself at 10."""
 CURE = "Check that the robot is on and that both are in one network; its switchboard may listen on 11511 or 11911."
 OWN = "create:"
 """Before the URL of a switchboard that is made here."""
@@ -104,7 +106,7 @@ class DtpsLink:
         async def hear(raw: Any) -> None:
             listener(decode(raw))
 
-        self.do((self._root / topic).subscribe(hear), PATIENCE)
+        self.do((self._root / topic).subscribe(hear, queue_size=WAITING), PATIENCE)
 
     def publisher(self, topic: str) -> Send:
         """Return what publishes on a topic and waits until the message was taken; it raises `LinkLost`."""
@@ -146,6 +148,18 @@ class DtpsLink:
         self._end_loop()
 
     def _end_loop(self) -> None:
-        """End the library's thread."""
+        """End the library's thread, and before it whatever the library left running."""
+        rest = asyncio.run_coroutine_threadsafe(_end_others(), self._loop)
+        with contextlib.suppress(concurrent.futures.TimeoutError):
+            rest.result(PATIENCE)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(PATIENCE)
+
+
+async def _end_others() -> None:
+    """Cancel every other task of the loop and wait for its end: one that is dropped as it is warns, or crashes."""
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in others:
+        task.cancel()
+    if others:
+        await asyncio.wait(others, timeout=SEND)

@@ -132,9 +132,11 @@ class Guard:
 
 def tell(line: dict[str, Any]) -> None:
     """Tell the program something; one that has gone hears nothing."""
-    with contextlib.suppress(OSError, ValueError):
-        sys.stdout.write(json.dumps(line) + "\n")
-        sys.stdout.flush()
+    stream = sys.__stdout__
+    if stream is not None:
+        with contextlib.suppress(OSError, ValueError):
+            stream.write(json.dumps(line) + "\n")
+            stream.flush()
 
 
 def read_lines(inbox: Queue[Event]) -> None:
@@ -183,4 +185,5 @@ def main(text: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    with contextlib.redirect_stdout(sys.stderr):  # what a library prints is no line for the program
+        main(sys.argv[1])
