@@ -6,8 +6,10 @@ import json
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
-from fsm_calib.commands.files import STANDARD_OUTPUT, check_places, tell_result, write_file
+from fsm_calib.cli import app
+from fsm_calib.commands.files import STANDARD_OUTPUT, check_folders, check_places, tell_result, write_file
 from fsm_calib.errors import InputError
 
 
@@ -20,6 +22,26 @@ def test_a_file_in_a_folder_that_does_not_exist_is_refused_with_the_cure(tmp_pat
 def test_a_folder_in_place_of_a_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be written"):
         check_places(None, tmp_path)
+
+
+def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="no folder can be made here: Not a directory"):
+        check_folders(None, tmp_path / "file" / "answer")
+
+
+def test_a_folder_that_is_only_checked_is_not_left(tmp_path: Path) -> None:
+    (tmp_path / "kept").mkdir()
+    check_folders(tmp_path / "kept" / "new" / "newer", tmp_path / "kept")
+    assert [path.name for path in tmp_path.rglob("*")] == ["kept"]
+
+
+@pytest.mark.parametrize("option", ["--report", "--export", "--plan"])
+def test_a_diagnosis_refuses_its_folders_before_it_reads_a_recording(tmp_path: Path, option: str) -> None:
+    (tmp_path / "file").touch()
+    done = CliRunner().invoke(app, ["diagnose", "nothing.yaml", option, str(tmp_path / "file" / "answer")])
+    assert done.exit_code == 2
+    assert "no folder can be made here" in done.output
 
 
 def test_standard_output_and_no_file_are_no_places_to_check(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fsm_calib.commands import diagnosis_options as options
-from fsm_calib.commands.files import check_places, tell_result, write_file
+from fsm_calib.commands.files import check_folders, check_places, tell_result, write_file
 from fsm_calib.commands.given import (
     CommandTopic,
     PoseTopic,
@@ -60,7 +60,7 @@ def diagnose_command(
     urdf: RobotFile = None,
 ) -> None:
     """Compare recordings with the simulation: locate the mismatch, name the physics, show the fit improve."""
-    _refuse_wrong_use(without or (), (json_file, world), (report, export))
+    _refuse_wrong_use(without or (), (json_file, world), (report, export, plan))
     floor = area_of(area)
     given = world if world is not None and world.exists() else None
     called = _simulator(simulator)
@@ -175,6 +175,7 @@ def _refuse_wrong_use(
         if folder is not None and folder.suffix in PAGES and not folder.exists():
             cure = f"Give a folder, such as {folder.with_suffix('')}: the page is report.html in it."
             raise InputError("this needs a folder, its name is a page's", where=str(folder), cure=cure)
+        check_folders(folder)
 
 
 def _write_world(result: Diagnosis, world: Path | None, report: Path | None) -> None:

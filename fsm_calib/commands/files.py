@@ -41,6 +41,34 @@ def check_places(*files: Path | None) -> None:
             raise InputError("cannot be written", where=str(path), cure="Give a file that may be written.")
 
 
+def check_folders(*folders: Path | None) -> None:
+    """Refuse folders that cannot be made, before the work rather than after it; None is no folder.
+
+    Whether a folder can be made is told by making it; what was made is taken away again.
+
+    Raises
+    ------
+    InputError
+        A folder cannot be made, or may not be written to.
+    """
+    for folder in folders:
+        if folder is None:
+            continue
+        made = [place for place in (folder, *folder.parents) if not place.exists()]
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"no folder can be made here: {error.strerror}", where=str(folder)) from error
+        finally:
+            for place in made:
+                if place.is_dir():
+                    place.rmdir()
+        if folder.exists() and not os.access(folder, os.W_OK):
+            raise InputError(
+                "cannot be written", where=str(folder), cure="Give a folder that may be written to."
+            )
+
+
 def write_file(path: Path, text: str) -> None:
     """Write a text file whole, or not at all.
 
