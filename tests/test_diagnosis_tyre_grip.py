@@ -12,7 +12,6 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive
 
-NEEDED = 14.0
 SPOT = {"loss": 0.9, "x": 0.4, "y": 0.0, "radius": 0.4}
 
 
@@ -38,7 +37,7 @@ def grip_of(places=(), **changes):
 def number_of(name, recordings, places=()):
     """Return a number of the base robot and its standard deviation; None where it was held."""
     engine = Engine(tuple(make_simulator(prepare(r)) for r in recordings))
-    fit = fit_base_on_floor(engine, [registry()[name] for name in places], NEEDED)
+    fit = fit_base_on_floor(engine, [registry()[name] for name in places])
     place = parameter_table().place(name)
     found = [(value, variance**0.5) for slot, value, variance in fit.numbers() if slot.place == place]
     return found[0] if found else None

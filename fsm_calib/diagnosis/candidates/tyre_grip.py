@@ -24,35 +24,38 @@ from fsm_calib.world2d.effects import Effect
 GRIPS = (0.35, 0.55, 0.9)  # 1: a tyre that hardly slips has no derivative to go by
 RATIOS = (0.1,)  # 1: nor has a ratio of 0
 STEPS = 8
+NEEDED = (
+    6.0  # evidence: "strong" (Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773); no part is accused by it
+)
 KEPT = (
     0.5  # of its evidence beside a place: a spot of grease leaves it a fifth, a mat that brakes leaves it all
 )
 
 
-def fit_base_on_floor(engine: Engine, places: Sequence[Effect], needed: float) -> Fit:
-    """Fit the base robot, with the grip and the slip ratio of its tyres free where each wins the evidence `needed`.
+def fit_base_on_floor(engine: Engine, places: Sequence[Effect]) -> Fit:
+    """Fit the base robot, with the grip and the slip ratio of its tyres free where each has strong evidence.
 
     places : effects of single places, which are asked whether they do as well as another grip.
     """
     base = fit_base(engine)
     if engine.simulators[0].measured_input:
         return base
-    return _with_slip_ratio(engine, _with_grip(engine, base, places, needed), needed)
+    return _with_slip_ratio(engine, _with_grip(engine, base, places))
 
 
-def _with_slip_ratio(engine: Engine, fit: Fit, needed: float) -> Fit:
+def _with_slip_ratio(engine: Engine, fit: Fit) -> Fit:
     """Return the fit with a slip ratio where encoders show one."""
     if not any(s.prepared.has_encoders for s in engine.simulators):
         return fit
     rolling = _with_free(engine, fit, slot_of("slip_ratio"), RATIOS)
-    return rolling if evidence_of(rolling, fit, engine.count) >= needed else fit
+    return rolling if evidence_of(rolling, fit, engine.count) >= NEEDED else fit
 
 
-def _with_grip(engine: Engine, base: Fit, places: Sequence[Effect], needed: float) -> Fit:
+def _with_grip(engine: Engine, base: Fit, places: Sequence[Effect]) -> Fit:
     """Return the fit with the floor's grip free where no single place does its job."""
     gripped = with_free_grip(engine, base)
     evidence = evidence_of(gripped, base, engine.count)
-    if evidence < needed:
+    if evidence < NEEDED:
         return base
     bank = Bank.on(engine, base)
     tried = [found for found in map(bank.best_of, places) if found is not None and found.evidence > evidence]
@@ -60,7 +63,7 @@ def _with_grip(engine: Engine, base: Fit, places: Sequence[Effect], needed: floa
         return gripped
     place = max(tried, key=lambda found: found.evidence).fit
     beside = evidence_of(with_free_grip(engine, place), place, engine.count)
-    return gripped if beside >= max(needed, KEPT * evidence) else base
+    return gripped if beside >= max(NEEDED, KEPT * evidence) else base
 
 
 def with_free_grip(engine: Engine, fit: Fit) -> Fit:

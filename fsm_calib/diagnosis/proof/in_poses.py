@@ -37,7 +37,7 @@ def shown_in_poses(simulators: Sequence[Simulator], gates: Gates, places: Sequen
     if not any(p.has_encoders for p in prepared) or not all(p.poses.placed for p in prepared):
         return True
     engine = Engine(tuple(without_encoders(s) for s in simulators))
-    base = fit_base_on_floor(engine, places, gates.detect)
+    base = fit_base_on_floor(engine, places)
     if Remainder.of(engine, base).beside_of(())[0] > gates.nameless:
         return True
     groups = feature_groups(situations_of(engine.simulators, base.values))

@@ -96,7 +96,7 @@ class Judge:
         """Ask everything that was measured."""
         self.progress("base robot")
         with self.part("base"):
-            base = fit_base_on_floor(self.engine, self._places, self.gates.detect)
+            base = fit_base_on_floor(self.engine, self._places)
         with self.part("locate"):
             situations = situations_of(self.engine.simulators, base.values)
             location = locate(self.engine, base, situations, self.rng)
