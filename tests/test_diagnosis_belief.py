@@ -29,7 +29,7 @@ from fsm_calib.diagnosis.verdict.posterior import (
     belief_of,
     shape_probability,
 )
-from fsm_calib.diagnosis.verdict.support import STEADY, RivalGap, Support
+from fsm_calib.diagnosis.verdict.support import STEADY, STEADY_HERE, RivalGap, Support
 
 NEVER = 1e9  # evidence that settles a question
 FORMS = {"instead": -100.0, "beside": 0.0, "instead_quantities": ("speed",), "beside_quantities": ("turn",)}
@@ -79,6 +79,11 @@ def test_uneven_evidence_beside_stronger_effects_counts_against_a_name(share: fl
     uneven = support(added=100.0, spread=50.0, share=share)
     patchy = (1.0 - share) * math.log1p(STEADY * 0.5)
     assert odds(shape_probability(uneven)) == pytest.approx(SURE - PATCHY * patchy)
+
+
+def test_what_acts_in_one_place_may_be_less_even() -> None:
+    uneven = support("low_friction_patch", added=100.0, spread=50.0, share=0.1)
+    assert uneven.patchy == pytest.approx(0.9 * math.log1p(STEADY_HERE * 0.5))
 
 
 def test_what_stands_alone_is_no_patch_however_uneven() -> None:

@@ -13,7 +13,10 @@ from fsm_calib.diagnosis.proof.gap import Gap
 from fsm_calib.diagnosis.proof.one_law import OneLaw
 from fsm_calib.world2d.effects import registry
 
-STEADY = 12.0  # evidence over its spread from second to second, at which a law's and a patch's are told apart
+STEADY, STEADY_HERE = (
+    12.0,
+    6.0,
+)  # evidence over its spread from second to second at which a law's and a patch's are told apart; of one place or time
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +78,14 @@ class Support:
         """How well it could be a patch on what is inexact in the other effects, 0 to infinity.
 
         (1 - share) log(1 + STEADY spread / added): the others' part of the evidence, and how unevenly its own lies over
-        the drives' seconds. Physics that every robot has needs no such excuse.
+        the drives' seconds. What acts in one place or at one time is uneven by nature (STEADY_HERE). Physics that every
+        robot has needs no such excuse.
         """
-        if registry()[self.name].universal:
+        effect = registry()[self.name]
+        if effect.universal:
             return 0.0
-        return (1.0 - self.share) * math.log1p(STEADY * self.added.spread / max(self.added.evidence, 1.0))
+        steady = STEADY_HERE if effect.scan else STEADY
+        return (1.0 - self.share) * math.log1p(steady * self.added.spread / max(self.added.evidence, 1.0))
 
     @property
     def moved(self) -> float:
