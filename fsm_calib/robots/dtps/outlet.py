@@ -13,7 +13,7 @@ from typing import Any
 
 from fsm_calib.errors import LinkLost
 from fsm_calib.robots.dtps.library import message
-from fsm_calib.robots.dtps.link import SEND, DtpsLink
+from fsm_calib.robots.dtps.link import SEND, DtpsLink, Send
 from fsm_calib.robots.dtps.topics import NAMES, RESOLUTION
 from fsm_calib.robots.guard.outlet import Event
 from fsm_calib.robots.guard.pwm import command_of
@@ -37,16 +37,23 @@ class DtpsOutlet:
     def __init__(self, setup: GuardSetup, inbox: Queue[Event]) -> None:
         self._inbox, self._sent, address = inbox, 0, setup.address
         self._command = message("pwm")
-        self._link = DtpsLink(address.url, address.vehicle, LOCKSTEP_SEND if setup.lockstep else SEND)
+        patience = LOCKSTEP_SEND if setup.lockstep else max(SEND, setup.settings.echo)
+        self._link = DtpsLink(address.url, address.vehicle, patience)
         try:
             if not self._link.exists(NAMES["wheels"]):
                 cure = "Check the vehicle's name, and that its wheel driver runs."
                 raise LinkLost(f"{address} has no {NAMES['wheels']}", cure=cure)
-            self._post = self._link.poster(NAMES["wheels"], lambda why: inbox.put(("lost", why)))
+            self._post = self._poster(setup.lockstep)
             self._listen()
         except BaseException:
             self._link.close()
             raise
+
+    def _poster(self, lockstep: bool) -> Send:
+        """Return what sends a command; in lockstep it waits, since no time passes meanwhile."""
+        if lockstep:
+            return self._link.publisher(NAMES["wheels"])
+        return self._link.poster(NAMES["wheels"], lambda why: self._inbox.put(("lost", why)))
 
     def _listen(self) -> None:
         """Hear acknowledgements, and encoders and stops where the robot has them."""
@@ -74,12 +81,15 @@ class DtpsOutlet:
         return lambda item: self._inbox.put(("angle", side, item.data * 2.0 * math.pi / RESOLUTION))
 
     def send(self, command: WheelCommand) -> None:
-        """Publish a command without waiting: a push ends in time, however long a message takes.
+        """Publish a command, in real time without waiting: a push ends in time, however long a message takes.
 
         A message that nobody takes is a lost link.
         """
         self._sent += 1
-        self._post(self._command(left=command.left, right=command.right))
+        try:
+            self._post(self._command(left=command.left, right=command.right))
+        except LinkLost as lost:
+            self._inbox.put(("lost", lost.problem))
 
     def check_alone(self) -> None:
         """Check nothing: a switchboard does not tell who publishes."""
