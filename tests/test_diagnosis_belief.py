@@ -90,8 +90,9 @@ def test_what_stands_alone_is_no_patch_however_uneven() -> None:
     assert support(added=100.0, spread=100.0, share=1.0).patchy == 0.0
 
 
-def test_what_every_robot_has_is_no_patch() -> None:
-    assert support("payload_offset", added=100.0, spread=100.0, share=0.01).patchy == 0.0
+@pytest.mark.parametrize("name", ["payload_offset", "wheel_eccentricity"])
+def test_what_every_robot_has_or_keeps_time_with_its_wheels_is_no_patch(name: str) -> None:
+    assert support(name, added=100.0, spread=100.0, share=0.01).patchy == 0.0
 
 
 @pytest.mark.parametrize("moved", [-0.3, math.nan])

@@ -79,10 +79,10 @@ class Support:
 
         (1 - share) log(1 + STEADY spread / added): the others' part of the evidence, and how unevenly its own lies over
         the drives' seconds. What acts in one place or at one time is uneven by nature (STEADY_HERE). Physics that every
-        robot has needs no such excuse.
+        robot has needs no such excuse, and what keeps time with the wheels' turning mends nothing else.
         """
         effect = registry()[self.name]
-        if effect.universal:
+        if effect.universal or "wheel_angle" in effect.reads:
             return 0.0
         steady = STEADY_HERE if effect.scan else STEADY
         return (1.0 - self.share) * math.log1p(steady * self.added.spread / max(self.added.evidence, 1.0))
