@@ -35,13 +35,14 @@ class GuardedRobot(ABC):
         The robot's address, and the guard's rules.
     decode : callable
         Returns the image of JPEG bytes, or None.
-    bound : float
-        Least bound of a frame's age at its stamp [s], where the settings say less.
     """
 
-    def __init__(self, setup: GuardSetup, decode: Decode, bound: float = 0.0) -> None:
+    least_bound = 0.0
+    """Least bound of a frame's age at its stamp [s], where the settings say less."""
+
+    def __init__(self, setup: GuardSetup, decode: Decode) -> None:
         self._setup, self._settings = setup, setup.settings
-        self._bound = max(setup.settings.camera_bound, bound)
+        self._bound = max(setup.settings.camera_bound, self.least_bound)
         self._began, self._time = time.monotonic(), 0.0
         self._frames, self._main, self._closed = 0, time.monotonic(), False
         self._waiting, self._first_frame = False, -1

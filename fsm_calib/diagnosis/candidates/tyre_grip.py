@@ -2,7 +2,7 @@
 
 Where tyres slip at every reversal their friction coefficient shows, and one that is off by a third looks like a limit
 of the motors' current, a scrub or a drag. Where they hardly slip it shows in nothing, and only lends itself to what
-slips in a single place. So it is free where that has the evidence of an effect, and keeps it beside the place on the
+slips in a single place. So it is free where that has strong evidence, and keeps it beside the place on the
 floor that explains more: a slippery spot does most of the job of a smaller grip of the whole floor.
 
 Where wheels are measured beside the poses, the tyres' slip shows by itself, and whether it grows with the rolling
@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fsm_calib.diagnosis.candidates.ranking import Bank, evidence_of
-from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, fit_base, grip_slot, slot_of
+from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, fit_base, grip_slot, have_encoders, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.world2d.effects import Effect
@@ -45,7 +45,7 @@ def fit_base_on_floor(engine: Engine, places: Sequence[Effect]) -> Fit:
 
 def _with_slip_ratio(engine: Engine, fit: Fit) -> Fit:
     """Return the fit with a slip ratio where encoders show one."""
-    if not any(s.prepared.has_encoders for s in engine.simulators):
+    if not have_encoders(engine.simulators):
         return fit
     rolling = _with_free(engine, fit, slot_of("slip_ratio"), RATIOS)
     return rolling if evidence_of(rolling, fit, engine.count) >= NEEDED else fit

@@ -57,7 +57,7 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
     wheel speeds have no motor between them and the floor, turning alone trails them.
     """
     names = list(NUISANCE[:3]) if simulators[0].measured_input else list(NUISANCE)
-    if any(s.prepared.has_encoders for s in simulators):
+    if have_encoders(simulators):
         names += ["wheel_radius_left", "wheel_radius_right"]
     scale = scale_of(simulators[0])
     slots = [slot_of(name, scale=scale) for name in names]
@@ -121,9 +121,14 @@ def _prior_of(entry: Parameter) -> tuple[float, float]:
     return (entry.null, entry.prior) if entry.prior > 0.0 else (0.0, 0.0)
 
 
+def have_encoders(simulators: Sequence[Simulator]) -> bool:
+    """Return whether any recording has its wheels measured beside its poses."""
+    return any(s.prepared.has_encoders for s in simulators)
+
+
 def noise_names(simulators: Sequence[Simulator]) -> tuple[int, ...]:
     """Return the places of the noise levels that these recordings can tell."""
-    return POSE_NOISE + (ENCODER_NOISE if any(s.prepared.has_encoders for s in simulators) else ())
+    return POSE_NOISE + (ENCODER_NOISE if have_encoders(simulators) else ())
 
 
 def fit_base(engine: Engine, more: Sequence[str] = ()) -> Fit:

@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.tyre_grip import fit_base_on_floor
+from fsm_calib.diagnosis.fitting.base import have_encoders
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gates import Gates, adequacy
@@ -33,8 +34,7 @@ def shown_in_poses(simulators: Sequence[Simulator], gates: Gates, places: Sequen
 
     places : effects of single places, which a smaller grip of the whole floor must not stand in for.
     """
-    prepared = [s.prepared for s in simulators]
-    if not any(p.has_encoders for p in prepared) or not all(p.poses.placed for p in prepared):
+    if not have_encoders(simulators) or not all(s.prepared.poses.placed for s in simulators):
         return True
     engine = Engine(tuple(without_encoders(s) for s in simulators))
     base = fit_base_on_floor(engine, places)

@@ -13,10 +13,8 @@ from fsm_calib.diagnosis.proof.gap import Gap
 from fsm_calib.diagnosis.proof.one_law import OneLaw
 from fsm_calib.world2d.effects import registry
 
-STEADY, STEADY_HERE = (
-    12.0,
-    6.0,
-)  # evidence over its spread from second to second at which a law's and a patch's are told apart; of one place or time
+STEADY = 12.0  # evidence over its spread from second to second at which a law's and a patch's are told apart
+STEADY_HERE = 6.0  # the same of what acts in one place or at one time
 
 
 @dataclass(frozen=True, slots=True)

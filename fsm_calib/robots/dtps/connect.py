@@ -8,7 +8,7 @@ from fsm_calib.robots.battery import refuse_flat
 from fsm_calib.robots.camera import Decode
 from fsm_calib.robots.connection import Connection
 from fsm_calib.robots.dtps.library import load
-from fsm_calib.robots.dtps.robot import BOUND, DtpsRobot
+from fsm_calib.robots.dtps.robot import DtpsRobot
 from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.types import CameraModel, FloatArray, WheelCalibration
 
@@ -26,7 +26,7 @@ def connect_dtps(setup: GuardSetup, decode: Decode) -> Connection:
     load("dtps")
     if not setup.lockstep:
         refuse_flat(setup.address.host, setup.settings.lowest_battery)
-    robot = DtpsRobot(setup, decode, BOUND)
+    robot = DtpsRobot(setup, decode)
 
     def track() -> FloatArray:
         return np.array(robot.guard.path, dtype=float).reshape(-1, 4)

@@ -16,6 +16,8 @@ PATIENCE = 10.0
 """Longest wait for the switchboard when a connection is made [s]."""
 SEND = 1.0
 """Longest wait for a message to be taken, where a robot waits for it [s]."""
+SERVED_SEND = 60.0
+"""The same of a served robot, and of its client in lockstep [s]: a loaded machine only takes longer."""
 WAITING = 1000
 """Messages of a topic that may wait for their listener [1]: the library drops the oldest of more, by itself at 10."""
 CURE = "Check that the robot is on and that both are in one network; its switchboard may listen on 11511 or 11911."

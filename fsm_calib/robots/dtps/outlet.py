@@ -13,16 +13,13 @@ from typing import Any
 
 from fsm_calib.errors import LinkLost
 from fsm_calib.robots.dtps.library import message
-from fsm_calib.robots.dtps.link import SEND, DtpsLink, Send
+from fsm_calib.robots.dtps.link import SEND, SERVED_SEND, DtpsLink, Send
 from fsm_calib.robots.dtps.topics import NAMES, RESOLUTION
 from fsm_calib.robots.guard.outlet import Event
 from fsm_calib.robots.guard.pwm import command_of
 from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.stepper import Stepper
 from fsm_calib.types import WheelCommand
-
-LOCKSTEP_SEND = 60.0
-"""Longest wait for a served robot in lockstep to take a message [s]: a loaded machine only takes longer."""
 
 
 class DtpsOutlet:
@@ -37,7 +34,7 @@ class DtpsOutlet:
     def __init__(self, setup: GuardSetup, inbox: Queue[Event]) -> None:
         self._inbox, self._sent, address = inbox, 0, setup.address
         self._command = message("pwm")
-        patience = LOCKSTEP_SEND if setup.lockstep else max(SEND, setup.settings.echo)
+        patience = SERVED_SEND if setup.lockstep else max(SEND, setup.settings.echo)
         self._link = DtpsLink(address.url, address.vehicle, patience)
         try:
             if not self._link.exists(NAMES["wheels"]):

@@ -10,13 +10,12 @@ from fsm_calib.robots.dtps.link import DtpsLink
 from fsm_calib.robots.dtps.topics import NAMES
 from fsm_calib.robots.guarded import GuardedRobot
 
-BOUND = 0.2
-"""Frames carry no stamp: one counts as taken up to so long before it arrived [s]."""
-
 
 class DtpsRobot(GuardedRobot):
     """See `GuardedRobot`. Made by `connect_dtps`."""
 
+    least_bound = 0.2
+    """Frames carry no stamp: one counts as taken up to so long before it arrived [s]."""
     link: DtpsLink | None = None
 
     def _join(self) -> None:

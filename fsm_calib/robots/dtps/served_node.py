@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.robots.dtps.library import message
-from fsm_calib.robots.dtps.link import OWN, DtpsLink
+from fsm_calib.robots.dtps.link import OWN, SERVED_SEND, DtpsLink
 from fsm_calib.robots.dtps.topics import NAMES
 from fsm_calib.robots.guard.pwm import floored, level_of
 from fsm_calib.robots.served.settings import ServeSettings
@@ -26,8 +26,6 @@ KEPT_ELSE = 1000
 ENCODERS = {"left_tick", "right_tick"}
 NOT_SERVED = {"estop"}
 """Whoever wants this project's own emergency stop makes its topic; a robot has its driver's."""
-TAKE = 60.0
-"""Longest wait for its own switchboard to take a message [s]: a loaded machine only takes longer."""
 
 
 class DtpsServedNode:
@@ -68,7 +66,7 @@ class DtpsServedNode:
     ) -> None:
         self._encode, self._settings = encode, settings
         self.station = Station(world, settings, self, lockstep)
-        self.link = DtpsLink(f"{OWN}http://{host}:{port}/", vehicle, TAKE)
+        self.link = DtpsLink(f"{OWN}http://{host}:{port}/", vehicle, SERVED_SEND)
         offered = NAMES.keys() - NOT_SERVED - (set() if settings.encoders else ENCODERS)
         for name in sorted(offered):
             self.link.create(NAMES[name], KEPT.get(name, KEPT_ELSE))

@@ -8,10 +8,10 @@ from typing import Any
 
 from fsm_calib.errors import LinkLost
 from fsm_calib.robots.camera import Decode
-from fsm_calib.robots.dtps.library import load, message
+from fsm_calib.robots.dtps.library import message
 from fsm_calib.robots.dtps.link import DtpsLink
 from fsm_calib.robots.dtps.outlet import applied_command
-from fsm_calib.robots.dtps.robot import BOUND, DtpsRobot
+from fsm_calib.robots.dtps.robot import DtpsRobot
 from fsm_calib.robots.dtps.topics import NAMES
 from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.subject import Heard
@@ -33,8 +33,7 @@ class DtpsSubject:
     turning = 0.3
 
     def __init__(self, setup: GuardSetup, decode: Decode) -> None:
-        load("dtps")
-        self.robot, self.heard = DtpsRobot(setup, decode, BOUND), Heard(decode)
+        self.robot, self.heard = DtpsRobot(setup, decode), Heard(decode)
         with contextlib.ExitStack() as opened:
             opened.callback(self.robot.close)
             self._link = DtpsLink(setup.address.url, setup.address.vehicle)
