@@ -1,11 +1,12 @@
 """A campaign against every reader: damaged input by kind, each answer judged, each finding shrunk to a small repro.
 
-    python benchmarks/campaign.py [--cases 10000] [--seconds 3600] [--seed 0] [--out out/campaign] [--kind NAME ...]
+    python benchmarks/campaign.py [--inputs 1000000] [--seconds 3600] [--seed 0] [--out out/campaign] [--kind NAME ...]
     python benchmarks/campaign.py --sample            the first inputs of seed 1, for continuous integration
 
 An answer is right when the input is read, or refused with one of the project's errors in printable lines of at most
 1,200 characters. A finding is anything else: another exception, an answer that takes more than 20 s, more than 1 GB of memory, a
-journal taken up that was changed. The campaign goes on where it was when the command is given again (--out holds how far each
+journal taken up that was changed, a file that reading made, changed or removed. Inputs are written to folders in memory where
+the system has a place for them: to make and remove one on a disk takes longer than most answers. The campaign goes on where it was when the command is given again (--out holds how far each
 kind is, the findings, and a folder with the input for each); `report.md` there is the table. Exit code 1 where
 anything was found.
 """
@@ -24,7 +25,7 @@ import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,6 +41,7 @@ LARGEST_MEMORY = 1 << 20  # KiB, by which the process's largest resident size ma
 LONGEST_LINE = 1200  # characters of a sentence
 SHRINKING = 4.0  # s for the repro of one finding
 SAMPLE_TURNS = 20  # of each kind: the same inputs on every machine, about a minute
+MEMORY = Path("/dev/shm")  # files that are on no disk, on Linux
 
 
 class Hang(BaseException):
@@ -69,24 +71,39 @@ def place_of(error: BaseException) -> str:
     return f"{type(error).__name__} at {Path(own[-1].filename).name}:{own[-1].lineno}"
 
 
-def judge(kind: Kind, contents: Mapping[str, bytes]) -> tuple[str, str]:
+def judge(kind: Kind, contents: Files) -> tuple[str, str]:
     """Return ("read" or "refused" or "finding", what was said or found) for one input."""
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory(dir=MEMORY if MEMORY.is_dir() else None) as name:
         folder = Path(name)
         for file, data in contents.items():
             (folder / file).write_bytes(data)
-        try:
-            with within(LONGEST_ANSWER):
-                kind.read(folder)
-        except Hang:
-            return "finding", "hang"
-        except FsmCalibError as error:
-            lines = str(error).split("\n")
-            sound = all(line.isprintable() and 0 < len(line) <= LONGEST_LINE for line in lines)
-            return ("refused", lines[0]) if sound else ("finding", f"unreadable sentence, {place_of(error)}")
-        except Exception as error:  # what the campaign looks for
-            return "finding", place_of(error)
+        answer = answer_of(kind, folder)
+        touched = touched_in(folder, contents)
+    return ("finding", touched) if touched and answer[0] != "finding" else answer
+
+
+def answer_of(kind: Kind, folder: Path) -> tuple[str, str]:
+    """Return what `judge` does, for an input in a folder."""
+    try:
+        with within(LONGEST_ANSWER):
+            kind.read(folder)
+    except Hang:
+        return "finding", "hang"
+    except FsmCalibError as error:
+        lines = str(error).split("\n")
+        sound = all(line.isprintable() and 0 < len(line) <= LONGEST_LINE for line in lines)
+        return ("refused", lines[0]) if sound else ("finding", f"unreadable sentence, {place_of(error)}")
+    except Exception as error:  # what the campaign looks for
+        return "finding", place_of(error)
     return "read", ""
+
+
+def touched_in(folder: Path, contents: Files) -> str:
+    """Return what is otherwise in a folder than what was written to it; nothing where reading only read."""
+    now = {path.name: path.read_bytes() if path.is_file() else b"" for path in folder.iterdir()}
+    names = {f"{name} was made": name not in contents for name in now}
+    names |= {f"{name} was changed or removed": now.get(name) != data for name, data in contents.items()}
+    return ", ".join(sorted(said for said, is_so in names.items() if is_so))
 
 
 def shrunk(kind: Kind, contents: Files, found: str, seconds: float = SHRINKING) -> Files:
@@ -190,28 +207,25 @@ class Campaign:
         return "\n".join(lines) + "\n"
 
 
-def fuzz(campaign: Campaign, kinds: list[str], cases: int, seconds: float, turns: float = math.inf) -> None:
-    """Give every kind its turn until each has had `cases` inputs or `turns`, or the time is over."""
+def fuzz(campaign: Campaign, kinds: list[str], inputs: int, seconds: float, turns: float = math.inf) -> None:
+    """Give every kind its turn until all together have had `inputs`, or each its `turns`, or the time is over."""
     began, before = time.monotonic(), campaign.seconds
     sound = {name: KINDS[name].sound() for name in kinds}
     while time.monotonic() - began < seconds and turns > 0:
         turns -= 1
-        pending = [name for name in kinds if campaign.done.get(name, 0) < cases]
-        if not pending:
-            break
-        for name in pending:
-            if time.monotonic() - began < seconds:
-                campaign.run(
-                    name, KINDS[name], sound[name], min(KINDS[name].turn, cases - campaign.done.get(name, 0))
-                )
+        for name in kinds:
+            left = inputs - sum(campaign.done.values())
+            if left > 0 and time.monotonic() - began < seconds:
+                campaign.run(name, KINDS[name], sound[name], min(KINDS[name].turn, left))
         campaign.seconds = before + time.monotonic() - began
         campaign.save()
+        if sum(campaign.done.values()) >= inputs:
+            break
 
 
-def options_of(about: str, kinds: Iterable[str], cases: int, out: Path) -> argparse.ArgumentParser:
-    """Return the options that every campaign has: how much of which kinds, from which seed, kept where."""
+def options_of(about: str, kinds: Iterable[str], out: Path) -> argparse.ArgumentParser:
+    """Return the options that every campaign has: which kinds, how long, from which seed, kept where."""
     parser = argparse.ArgumentParser(description=about.splitlines()[0])
-    parser.add_argument("--cases", type=int, default=cases, help="of each kind")
     parser.add_argument("--seconds", type=float, default=3600.0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=out)
@@ -220,7 +234,8 @@ def options_of(about: str, kinds: Iterable[str], cases: int, out: Path) -> argpa
 
 
 def main() -> int:
-    parser = options_of(__doc__, KINDS, 10_000, Path("out/campaign"))
+    parser = options_of(__doc__, KINDS, Path("out/campaign"))
+    parser.add_argument("--inputs", type=int, default=1_000_000, help="of all kinds together")
     parser.add_argument("--sample", action="store_true", help="the first inputs of seed 1")
     options = parser.parse_args()
     if options.sample:
@@ -230,7 +245,7 @@ def main() -> int:
     fuzz(
         campaign,
         options.kind or list(KINDS),
-        options.cases,
+        options.inputs,
         options.seconds,
         SAMPLE_TURNS if options.sample else math.inf,
     )

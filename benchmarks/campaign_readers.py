@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import random
+import re
 import struct
 import sys
 import tempfile
@@ -52,6 +53,11 @@ WORDS = (b"\x00" * 4, b"\xff" * 4, b"\xff" * 8, struct.pack("<d", float("nan")),
 NUMBERS = ("1e300", "-1e300", "1e-300", "0", "-1", ".inf", ".nan", "9" * 399, "true", "''", "[]", "{}", "2001-99-99", "0b",
            "!!int a", "&a [*a]", "\"\\e[2J\"", "<script>", "0o9", "1e400", "[[[]]]", "? ", "<<: 1")  # fmt: skip
 
+NUMBER = re.compile(r"-?\d+(\.\d*)?([eE][-+]?\d+)?")
+EXTREMES = ("1e300", "-1e300", "1e-300", "0", "-0.0", "-1", "0.5", "1e9", "-1e9", "1e19", "nan", "-inf", ".inf", "1e400", "9" * 30,
+            "1_0", "0x1f", "true", "''")  # fmt: skip
+"""What a number is exchanged for where the text around it stays sound, so that it reaches what computes with it."""
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -60,8 +66,8 @@ class Kind:
     sound: Callable[[], Files]
     damaged: Callable[[Files, random.Random], Files]
     read: Callable[[Path], object]
-    turn: int = 25
-    """Cases before the next kind has its turn."""
+    turn: int = 75
+    """Cases before the next kind has its turn: fewer of what takes longer to read."""
 
 
 def damaged_text(contents: Files, rng: random.Random) -> Files:
@@ -70,7 +76,11 @@ def damaged_text(contents: Files, rng: random.Random) -> Files:
     for _ in range(rng.choice((1, 1, 2, 3))):
         name = rng.choice(sorted(result))
         text = result[name].decode("utf-8", "replace")
-        if rng.random() < 0.4:
+        numbers, chance = list(NUMBER.finditer(text)), rng.random()
+        if numbers and chance < 0.3:
+            place = rng.choice(numbers)
+            text = text[: place.start()] + rng.choice(EXTREMES) + text[place.end() :]
+        elif chance < 0.6:
             lines = text.split("\n")
             number = rng.randrange(len(lines))
             head, colon, _ = lines[number].partition(":")
@@ -203,8 +213,23 @@ def identified(path: Path) -> object:
 
 def read_bag_in(folder: Path) -> object:
     """Read whatever bag is in a folder, with its folder where it has one."""
-    alone = [file for file in folder.iterdir() if file.suffix == ".bag"]
-    return read_recording(alone[0] if alone else folder)
+    files = list(folder.iterdir())
+    return read_recording(folder if len(files) > 1 else files[0])
+
+
+def without_metadata(bag: Callable[[], Files]) -> Callable[[], Files]:
+    """Return who writes the same bag as a file without its folder."""
+    return lambda: {name: data for name, data in bag().items() if name != "metadata.yaml"}
+
+
+def one_of(damaged: Callable[[Files, random.Random], Files]) -> Callable[[Files, random.Random], Files]:
+    """Return how one file of several forms is damaged: a form that is sound has nothing to tell."""
+
+    def harmed(contents: Files, rng: random.Random) -> Files:
+        name = rng.choice(sorted(contents))
+        return damaged({name: contents[name]}, rng)
+
+    return harmed
 
 
 def camera_files() -> Files:
@@ -295,29 +320,33 @@ SDF = b"""<sdf version="1.6"><model name="m"><link name="left_wheel"><pose>0 0.2
 <link name="right_wheel"><pose>0 -0.25 0 0 0 0</pose></link>
 <plugin><wheel_separation>0.52</wheel_separation><wheel_diameter>0.21</wheel_diameter></plugin></model></sdf>
 """
+BAGS = 20
+"""Cases in a turn of a kind whose inputs take some ms."""
 KINDS: dict[str, Kind] = {
     "scenario": Kind(of_files("scenarios/full_calibration.yaml"), damaged_text, lambda f: world_of(load_scenario(f / "full_calibration.yaml"))),
     "world": Kind(of_files("scenarios/wheels_only.yaml"), damaged_text, lambda f: physics_of(f / "wheels_only.yaml")),
     "study": Kind(of_files("scenarios/study.yaml"), damaged_text, lambda f: load_study(f / "study.yaml")),
     "manifest and CSV": Kind(recording_files, damaged_text, lambda f: read_recording(f / "recording.yaml")),
-    "fitted recording": Kind(fitted_files, damaged_cells, lambda f: identified(f / "recording.yaml"), turn=2),
+    "fitted recording": Kind(fitted_files, damaged_cells, lambda f: identified(f / "recording.yaml"), turn=1),
     "gz": Kind(recording_files, damaged_archive, lambda f: read_recording(f / "recording.yaml")),
-    "ROS 1 bag": Kind(bag_files("drive.bag"), damaged_binary, read_bag_in),
-    "Duckietown bag": Kind(bag_files("drive.bag", own=False), damaged_binary, read_bag_in),
-    "MCAP": Kind(bag_files("drive"), damaged_binary, read_bag_in),
-    "SQLite bag": Kind(bag_files("drive", storage=StoragePlugin.SQLITE3), damaged_binary, read_bag_in),
+    "ROS 1 bag": Kind(bag_files("drive.bag"), damaged_binary, read_bag_in, turn=BAGS),
+    "Duckietown bag": Kind(bag_files("drive.bag", own=False), damaged_binary, read_bag_in, turn=BAGS),
+    "MCAP": Kind(bag_files("drive"), damaged_binary, read_bag_in, turn=BAGS),
+    "MCAP alone": Kind(without_metadata(bag_files("drive")), damaged_binary, read_bag_in, turn=BAGS),
+    "SQLite bag": Kind(bag_files("drive", storage=StoragePlugin.SQLITE3), damaged_binary, read_bag_in, turn=BAGS),
     "tag map": Kind(lambda: {"tags.yaml": TAGS}, damaged_text, lambda f: read_tag_map(f / "tags.yaml")),
     "kinematics": Kind(lambda: {"robot.yaml": KINEMATICS}, damaged_text, lambda f: read_kinematics(f / "robot.yaml")),
     "intrinsics": Kind(camera_files, damaged_text, read_camera),
     "extrinsics": Kind(lambda: {"robot.yaml": EXTRINSICS}, damaged_text, lambda f: read_extrinsics(f / "robot.yaml")),
-    "tag image": Kind(picture("tag"), damaged_binary, look_for_tags),
-    "board image": Kind(picture("board"), damaged_binary, look_for_boards),
-    "board option": Kind(lambda: {"word": b"9x6"}, damaged_text, lambda f: parse_board([(f / "word").read_text("utf-8", "replace")], 0.025)),
+    "tag image": Kind(picture("tag"), one_of(damaged_binary), look_for_tags, turn=BAGS),
+    "board image": Kind(picture("board"), one_of(damaged_binary), look_for_boards, turn=BAGS),
+    "board option": Kind(lambda: {"word": b"9x6"}, damaged_text, lambda f: parse_board([(f / "word").read_text("utf-8", "replace")], 0.025), turn=BAGS),
     "journal": Kind(journal_files, damaged_binary, resume),
     "watched run": Kind(journal_files, damaged_text, follow),
     "URDF": Kind(lambda: {"robot.urdf": URDF}, damaged_text, lambda f: read_robot_file(f / "robot.urdf")),
     "SDF": Kind(lambda: {"robot.sdf": SDF}, damaged_text, lambda f: read_robot_file(f / "robot.sdf")),
-    "TurtleBot, ROS 1": Kind(turtlebot_files("ros1"), damaged_binary, read_bag_in),
-    "TurtleBot, MCAP": Kind(turtlebot_files("mcap"), damaged_binary, read_bag_in),
+    "TurtleBot, ROS 1": Kind(turtlebot_files("ros1"), damaged_binary, read_bag_in, turn=BAGS),
+    "TurtleBot, MCAP": Kind(turtlebot_files("mcap"), damaged_binary, read_bag_in, turn=BAGS),
+    "TurtleBot, MCAP alone": Kind(without_metadata(turtlebot_files("mcap")), damaged_binary, read_bag_in, turn=BAGS),
 }  # fmt: skip
 __all__ = ["KINDS", "NASTY", "Files", "Kind"]

@@ -134,7 +134,8 @@ def warm() -> None:
 
 
 def main() -> int:
-    parser = options_of(__doc__, HAZARDS, 200, Path("out/campaign-runs"))
+    parser = options_of(__doc__, HAZARDS, Path("out/campaign-runs"))
+    parser.add_argument("--cases", type=int, default=200, help="of each kind")
     parser.add_argument("--case", type=int, help="this one alone, again")
     options = parser.parse_args()
     campaign, kinds = Campaign(options.out, options.seed), options.kind or list(HAZARDS)

@@ -2,6 +2,7 @@
 
 import importlib.util
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,27 @@ def test_unforeseen_exception_is_a_finding_with_its_place() -> None:
     assert verdict == "finding"
     assert said.startswith("ZeroDivisionError at test_campaign.py:")
     assert campaign.judge(PLANTED, {"a.txt": b"\x1b[2J"})[0] == "refused"
+
+
+def test_reading_that_makes_changes_or_removes_a_file_is_a_finding() -> None:
+    def clumsy(folder: Path) -> None:
+        (folder / "a.txt").write_text("other words")
+        (folder / "b.txt").unlink()
+        (folder / "new").mkdir()
+
+    kind = Kind(PLANTED.sound, damaged_text, clumsy)
+    said = "a.txt was changed or removed, b.txt was changed or removed, new was made"
+    assert campaign.judge(kind, {"a.txt": b"words", "b.txt": b"", "c.txt": b""}) == ("finding", said)
+
+
+def test_kinds_take_turns_until_all_together_have_had_their_inputs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calm = Kind(PLANTED.sound, damaged_text, lambda folder: None, turn=4)
+    monkeypatch.setattr(campaign, "KINDS", {"calm": calm, "slow": replace(calm, turn=1)})
+    found = campaign.Campaign.opened(tmp_path, 3)
+    campaign.fuzz(found, ["calm", "slow"], 12, 60.0)
+    assert found.done == {"calm": 10, "slow": 2}
 
 
 def test_finding_is_shrunk_to_what_makes_it() -> None:

@@ -53,6 +53,10 @@ def test_what_is_stated_wins_over_what_is_described():
         ('<robot name="x"/>', "names no wheels and no mass"),
         (URDF.replace("0.033", "${radius}"), "Expand a xacro first"),
         (URDF.replace('"0.033"', '"-1"'), "cannot be read"),
+        (URDF.replace("0.08 0.023", "1e300 0.023"), "'1e300', and no robot has 1e"),
+        (SDF.replace("<pose>0 0.25", "<pose>1e300 0.25"), "'1e300', and no robot has 1e"),
+        (SDF.replace("<mass>2", "<mass>-2"), "a mass of '-2'"),
+        (SDF.replace("<mass>2", "<mass>nan"), "'nan', and no robot has 1e"),
     ],
 )
 def test_a_description_that_says_nothing_is_refused(tmp_path, text, sentence):

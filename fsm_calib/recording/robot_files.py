@@ -8,7 +8,6 @@ refused: nothing is expanded.
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ from fsm_calib.errors import InputError
 from fsm_calib.recording.recording import RobotFacts
 
 LARGEST_FILE = 5_000_000  # bytes; descriptions have some ten thousand, meshes lie beside them
+LARGEST_NUMBER = 1e6  # m, kg or kg m2, as in a manifest: far beyond any robot, and no number overflows later
 SEPARATION = ("wheel_separation", "wheelSeparation", "wheel_track")
 RADIUS = ("wheel_radius", "wheelRadius")
 DIAMETER = ("wheel_diameter", "wheelDiameter")
@@ -91,9 +91,16 @@ def _parsed(path: Path) -> ElementTree.Element:
         raise InputError(f"the robot's description is no XML: {error}", where=f"{path}:1") from error
 
 
+def _number(text: str) -> float:
+    value = float(text)
+    if not abs(value) < LARGEST_NUMBER:
+        raise ValueError(f"{text!r}, and no robot has {LARGEST_NUMBER:g} m or kg")
+    return value
+
+
 def _numbers(text: str | None, count: int) -> list[float]:
-    values = [float(part) for part in (text or "0 " * count).split()]
-    if len(values) < count or not all(map(math.isfinite, values)):
+    values = [_number(part) for part in (text or "0 " * count).split()]
+    if len(values) < count:
         raise ValueError(f"{text!r}")
     return values
 
@@ -101,9 +108,16 @@ def _numbers(text: str | None, count: int) -> list[float]:
 def _positive(text: str | None) -> float | None:
     if text is None or not text.strip():
         return None
-    value = float(text)
-    if not 0.0 < value < math.inf:
+    value = _number(text)
+    if value <= 0.0:
         raise ValueError(f"{text!r}")
+    return value
+
+
+def _mass(text: str | None) -> float:
+    value = _number(text or "0")
+    if value < 0.0:
+        raise ValueError(f"a mass of {text!r}")
     return value
 
 
@@ -131,8 +145,8 @@ def _urdf_links(robot: ElementTree.Element) -> Iterator[Link]:
         yield Link(
             link.get("name") or "",
             (x, y, z),
-            float(mass.get("value", 0.0)) if mass is not None else 0.0,
-            float(about.get("izz", 0.0)) if about is not None else 0.0,
+            _mass(mass.get("value")) if mass is not None else 0.0,
+            _number(about.get("izz", "0")) if about is not None else 0.0,
             _positive(shapes[0]) if shapes else None,
         )
 
@@ -142,9 +156,7 @@ def _sdf_links(model: ElementTree.Element) -> Iterator[Link]:
         x, y, z = _numbers(link.findtext("pose"), 3)[:3]
         radius = link.findtext(".//cylinder/radius") or link.findtext(".//sphere/radius")
         mass, izz = link.findtext("inertial/mass"), link.findtext("inertial/inertia/izz")
-        yield Link(
-            link.get("name") or "", (x, y, z), float(mass or 0.0), float(izz or 0.0), _positive(radius)
-        )
+        yield Link(link.get("name") or "", (x, y, z), _mass(mass), _number(izz or "0"), _positive(radius))
 
 
 def _facts(name: str, links: Sequence[Link], root: ElementTree.Element) -> RobotFacts:
@@ -161,8 +173,8 @@ def _facts(name: str, links: Sequence[Link], root: ElementTree.Element) -> Robot
         name=name,
         wheel_radius=_first(root, RADIUS) or (0.5 * diameter if diameter else radius),
         axle_length=_first(root, SEPARATION) or axle,
-        mass=mass if 0.0 < mass < math.inf else None,
-        inertia=_yaw_inertia(links, mass) if 0.0 < mass < math.inf else None,
+        mass=mass if mass > 0.0 else None,
+        inertia=_yaw_inertia(links, mass) if mass > 0.0 else None,
     )
 
 
@@ -185,4 +197,4 @@ def _yaw_inertia(links: Sequence[Link], mass: float) -> float | None:
     """Return the inertia about the vertical through the centre of mass [kg m2], by the parallel axes."""
     cx, cy = (sum(k.mass * k.place[i] for k in links) / mass for i in range(2))
     total = sum(k.inertia + k.mass * ((k.place[0] - cx) ** 2 + (k.place[1] - cy) ** 2) for k in links)
-    return total if 0.0 < total < math.inf else None
+    return total if total > 0.0 else None
