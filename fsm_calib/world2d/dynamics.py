@@ -22,10 +22,11 @@ yaw inertia enters as tau_turn = (I + m_w b^2/2) / (D b^2/2).
 The torque-speed line is that of a permanent-magnet motor, tau = stall (g u - rate/no_load): T = g no_load R u
 and D = stall / (R^2 no_load).
 
-Method: driven wheels enter by the tangent of their crossing, sliding and dry friction by their secant (force
-/ slip), both frozen over the step; then the trapezoid rule is applied to the linear rest. It is stable for
-any step, adds no energy (tangents and secants are positive and G is antisymmetric), is exactly still at
-standstill, and nearly of second order. Positions follow from the mean of the old and the new velocity.
+Method: driven wheels enter by the tangent of their crossing, sliding tyres by their secant (force / slip), both
+frozen over the step; then the trapezoid rule is applied to the linear rest, and dry friction of the body on the floor
+is solved with the step (`dry_contacts`). It is stable for any step, adds no energy (tangents and secants are positive
+and G is antisymmetric), is exactly still at standstill, and nearly of second order. Positions follow from the mean of
+the old and the new velocity.
 
 Sources: torque-speed line, slip ratio and combined slip as in Pacejka, Tyre and Vehicle Dynamics, 3rd ed. 2012,
 sections 1.2.1, 1.2.2 and 3.2 (saturating law of the slip vector); linearly implicit stepping of stiff friction as in
@@ -41,12 +42,14 @@ from numba import njit
 
 from fsm_calib.world2d import slots
 from fsm_calib.world2d.arithmetic import ARITHMETIC
+from fsm_calib.world2d.dry_contacts import brake
 from fsm_calib.world2d.slots import (
     ANGLE,
     BASE_DRIVE,
     COM_X,
     COM_Y,
     COMMAND,
+    CONTACTS,
     COS,
     DAMP,
     DRIVE,
@@ -60,6 +63,7 @@ from fsm_calib.world2d.slots import (
     HEADING_COS,
     HEADING_SIN,
     INERTIA,
+    INVERSE,
     LOAD,
     MASS,
     MEAN_OMEGA,
@@ -145,7 +149,7 @@ def begin_step(P, W):
         W[GRIP + side] = P[FRICTION] * W[LOAD + side]
     W[SLIP_SPEED] = P[TYRE_SLIP]
     W[SIDE_COMPLIANCE] = W[SIDE_DRIFT] = 0.0
-    W[FORCE_X] = W[FORCE_Y] = W[MOMENT] = 0.0
+    W[FORCE_X] = W[FORCE_Y] = W[MOMENT] = W[CONTACTS] = 0.0
     for i in range(DAMP, DAMP + 6):
         W[i] = 0.0
 
@@ -195,7 +199,13 @@ def new_twist(W, half, left, right, v, l, omega):
     dv = (c00 * r0 + c01 * r1 + c02 * r2) * inverse
     dl = (c10 * r0 + c11 * r1 + c12 * r2) * inverse
     dw = (c20 * r0 + c21 * r1 + c22 * r2) * inverse
-    return settle(v + dv), settle(l + dl), settle(omega + dw)
+    v1, l1, omega1 = v + dv, l + dl, omega + dw
+    if W[CONTACTS] > 0.0:
+        W[INVERSE], W[INVERSE + 1], W[INVERSE + 2] = c00 * inverse, c01 * inverse, c02 * inverse
+        W[INVERSE + 3], W[INVERSE + 4], W[INVERSE + 5] = c10 * inverse, c11 * inverse, c12 * inverse
+        W[INVERSE + 6], W[INVERSE + 7], W[INVERSE + 8] = c20 * inverse, c21 * inverse, c22 * inverse
+        v1, l1, omega1 = brake(W, v1, l1, omega1)
+    return settle(v1), settle(l1), settle(omega1)
 
 
 @njit(**ARITHMETIC, forceinline=True)

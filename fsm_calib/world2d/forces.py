@@ -1,19 +1,14 @@
-"""Forces on the body during one step, in the form in which `dynamics` solves for them: constant, or
-dampers.
+"""Forces on the body during one step, in the form in which `dynamics` solves for them: constant, dampers, or
+dry friction.
 """
 
 from __future__ import annotations
 
-import math
-
 from numba import njit
 
-from fsm_calib.world2d import slots
 from fsm_calib.world2d.arithmetic import ARITHMETIC
-from fsm_calib.world2d.slots import DAMP, FORCE_X, FORCE_Y, MOMENT, STEP
-
-STEPS_TO_STOP = 4.0
-"""Steps within which dry friction could stop a motion for it to be treated as a damper."""
+from fsm_calib.world2d.dry_contacts import ANY_WAY, add_contact
+from fsm_calib.world2d.slots import DAMP, FORCE_X, FORCE_Y, MOMENT
 
 
 @njit(**ARITHMETIC, forceinline=True)
@@ -49,15 +44,24 @@ def add_oblique_damper(W, px, py, dx, dy, k):
 
 
 @njit(**ARITHMETIC)
-def add_dry_friction(W, px, py, dx, dy, speed, size, inertia):
-    """Add dry friction of `size` [N] at the point (px, py) [m] of `base` against `speed` [m/s] along the unit
-    vector (dx, dy).
+def add_dry_contact(W, px, py, dx, dy, size):
+    """Add dry friction of `size` [N] at the point (px, py) [m] of `base`, along the unit vector (dx, dy) alone."""
+    add_contact(W, size, dx, dy, px * dy - py * dx, 0.0)
 
-    A constant force while it cannot stop the motion within a few steps (second order), else a stiff damper
-    (stable, holds still); `inertia` [kg] is the mass that it brakes, at least.
-    """
-    k = size / math.sqrt(speed * speed + slots.CREEP_SPEED * slots.CREEP_SPEED)
-    if abs(speed) * inertia > STEPS_TO_STOP * W[STEP] * size:
-        add_force(W, -k * speed * dx, -k * speed * dy, -k * speed * (px * dy - py * dx))
-    else:
-        add_oblique_damper(W, px, py, dx, dy, k)
+
+@njit(**ARITHMETIC)
+def add_dry_point(W, px, py, size):
+    """Add dry friction of `size` [N] at the point (px, py) [m] of `base`, against whatever way it slides."""
+    add_contact(W, size, px, py, 0.0, ANY_WAY)
+
+
+@njit(**ARITHMETIC)
+def add_dry_moment(W, size, rate):
+    """Add a dry moment of `size` [N m] against turning; below `rate` [rad/s] it acts as a damper."""
+    add_contact(W, size, 0.0, 0.0, 1.0, rate)
+
+
+@njit(**ARITHMETIC)
+def add_dry_friction(W, px, py, dx, dy, speed, size, inertia):
+    """As `add_dry_contact`, for effects that were written before it: speed and inertia are not asked any more."""
+    add_dry_contact(W, px, py, dx, dy, size)

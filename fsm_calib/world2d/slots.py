@@ -83,7 +83,11 @@ SIDE_DRIFT = 53
 """Sideways speed that bent tyres and springs add to the motion without a force of their own [m/s]."""
 SLIP_RATIO = 54
 """Slip over rolling speed at which a rolling tyre passes 1/sqrt(2) of its grip [1]."""
-BENCH_SIZE = 55
+INVERSE = 55
+"""Inverse of the mass matrix of this step, by rows (55 to 63): change of (V, L, OMEGA) by an impulse."""
+CONTACTS, CONTACT, MOST_CONTACTS = 64, 65, 8
+"""How many dry contacts brake the body in this step, and what is kept of each (`dry_contacts`: seven numbers)."""
+BENCH_SIZE = 121
 
 # ---- constants of the world ----
 GRAVITY = 9.80665
@@ -93,10 +97,5 @@ CASTER_ARM = 0.083
 SMALL_AXLE = 0.3
 """Axle length up to which a robot is a small one [m] (Duckiebot 0.1, Create 0.26): what is longer on a larger one grows
 with its axle from here on."""
-CREEP_SPEED = 1e-3
-"""Speed below which dry friction on the body acts like a stiff damper [m/s]: a fifth of what tag poses can
-see in 1 s."""
-CREEP_RATE = 1e-2
-"""The same for turning [rad/s]: the creep speed at a tenth of a metre."""
 EDGE = 0.01
 """Softness of the edges of places on the floor [m]: half the width of a wheel's contact (assumed)."""

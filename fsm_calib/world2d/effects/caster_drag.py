@@ -1,16 +1,15 @@
 r"""The caster drags, and kicks when it swivels.
 
-    F_drag = -drag v_p / sqrt(|v_p|^2 + creep^2)                 at the pivot, against its velocity
+    F_drag = -drag v_p / |v_p|                                   at the pivot, against its velocity
     F_kick = -kick n (n . v_p) / sqrt((n . v_p)^2 + swivel^2)    across a caster that is not yet aligned
     d psi / dt = (n . v_p) / trail - omega
 
 v_p [m/s] velocity of the caster's pivot, `arm` [m] behind the axle; psi [rad] direction of the caster's wheel
 in `base` (0: straight ahead), n the unit vector across it, trail [m] distance of its wheel behind the pivot (a
 share of the arm), drag and kick [N]. A ball caster only drags; a swivelling one stands on the wrong side of its
-pivot after a reversal and turns over within a few trail lengths of travel, pushing sideways. Below the creep speed
-the drag is a stiff damper. Sources: dry friction of a ball caster; trailing wheel after Chung & Iagnemma, in
-Springer Handbook of Robotics, 2nd ed. 2016, section 24.1; Duckietown URDF for the arm (0.083 m, 0.085 m on newer
-robots).
+pivot after a reversal and turns over within a few trail lengths of travel, pushing sideways. Sources: dry friction
+of a ball caster; trailing wheel after Chung & Iagnemma, in Springer Handbook of Robotics, 2nd ed. 2016, section 24.1;
+Duckietown URDF for the arm (0.083 m, 0.085 m on newer robots).
 """
 
 from __future__ import annotations
@@ -20,13 +19,11 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.forces import STEPS_TO_STOP, add_damper, add_force, add_oblique_damper
-from fsm_calib.world2d.slots import CREEP_SPEED, MASS, OMEGA, STEP, L, V
+from fsm_calib.world2d.forces import add_dry_point, add_oblique_damper
+from fsm_calib.world2d.slots import OMEGA, STEP, L, V
 
 SWIVEL_SPEED = 0.02
 """Speed across the caster at which its kick has 1/sqrt(2) of its size [m/s] (assumed)."""
-LEVER = 0.5
-"""Part of the robot's mass that the caster feels, at least (assumed)."""
 TRAIL = 0.02 / 0.075
 """Distance of the caster's wheel behind its pivot over the arm [1] (assumed: 2 cm, as 25 mm furniture casters have it,
 on a Duckiebot)."""
@@ -34,16 +31,12 @@ on a Duckiebot)."""
 
 @njit(error_model="numpy")
 def drag_and_swivel(P, o, S, m, W):
-    """Add the caster's forces as dampers and turn it; S[m] is psi."""
+    """Add the caster's forces and turn it; S[m] is psi."""
     arm = P[o + 2]
     vx, vy = S[V], S[L] - arm * S[OMEGA]
     speed2 = vx * vx + vy * vy
     speed = math.sqrt(speed2)
-    if speed * W[MASS] * LEVER > STEPS_TO_STOP * W[STEP] * P[o]:
-        add_force(W, -P[o] * vx / speed, -P[o] * vy / speed, arm * P[o] * vy / speed)
-    else:
-        drag = P[o] / math.sqrt(speed2 + CREEP_SPEED * CREEP_SPEED)
-        add_damper(W, -arm, 0.0, drag, drag)
+    add_dry_point(W, -arm, 0.0, P[o])
     if P[o + 1] != 0.0:
         c, s = math.cos(S[m]), math.sin(S[m])
         across = c * vy - s * vx

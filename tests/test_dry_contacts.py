@@ -1,0 +1,88 @@
+"""Dry friction between body and floor: it holds what is too weak, lets go at once, and slides against the motion."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from fsm_calib.world2d.dry_contacts import slowed
+from fsm_calib.world2d.parameters import parameters
+from fsm_calib.world2d.rollout import Drive, simulate
+
+SECONDS = np.arange(0.0, 3.0, 0.005)
+
+
+def driven(left: float, right: float, **effect: float) -> np.ndarray:
+    """Return the poses (n, 3) of a robot that is told (left, right) from 0.5 s on and to stop after 2 s."""
+    numbers = {name.replace("__", "."): value for name, value in effect.items()}
+    drive = Drive(np.array([0.0, 0.5, 2.0]), np.array([0.0, left, 0.0]), np.array([0.0, right, 0.0]))
+    return simulate(parameters(numbers), drive, SECONDS, (0.0, 0.0, 0.0))[:, :3]
+
+
+def rates(poses: np.ndarray) -> np.ndarray:
+    """Return the yaw rates [rad/s] between poses."""
+    return np.diff(poses[:, 2]) / np.diff(SECONDS)
+
+
+def test_a_turn_too_weak_for_the_scrubbing_tyres_stays_undone():
+    poses = driven(-0.05, 0.05, tyre_scrub__moment=0.3)
+    assert abs(poses[-1, 2]) < 2e-3
+
+
+def test_a_turn_stronger_than_the_scrubbing_tyres_begins_with_the_next_step():
+    free, braked = rates(driven(-0.3, 0.3)), rates(driven(-0.3, 0.3, tyre_scrub__moment=0.02))
+    begun = np.searchsorted(SECONDS, 0.5)
+    assert 0.5 < braked[begun + 1] / free[begun + 1] < 1.0
+
+
+def test_scrubbing_tyres_never_turn_the_robot_back():
+    assert rates(driven(-0.3, 0.3, tyre_scrub__moment=0.05)).min() > -1e-6  # the motors ring out
+
+
+def test_a_scrubbed_turn_stops_in_the_time_that_its_moment_takes():
+    """Beyond the motors' braking: w' = -(w + reach) / tau, zero after tau log(1 + w / reach)."""
+    free, braked = driven(-0.3, 0.3), driven(-0.3, 0.3, tyre_scrub__moment=0.05)
+    stop = int(np.searchsorted(SECONDS, 2.0))
+    steady, slower = rates(free)[stop - 5], rates(braked)[stop - 5]
+    tail = rates(free)[stop + 20] / rates(free)[stop + 40]
+    tau = 0.1 / math.log(tail)
+    expected = tau * math.log1p(slower / (steady - slower))
+    still = int(np.argmax(rates(braked)[stop:] < 1e-6))
+    assert still * 0.005 == pytest.approx(expected, abs=0.015)
+
+
+def test_a_dragging_caster_holds_a_robot_that_its_motors_cannot_move():
+    poses = driven(0.02, 0.02, caster_drag__drag=3.0)
+    assert np.abs(poses[-1]).max() < 1e-9
+
+
+def test_a_caster_drags_against_the_motion_of_its_pivot():
+    """Spinning in place, its pivot moves sideways: the drag acts as a moment and does not push the robot ahead."""
+    poses = driven(-0.3, 0.3, caster_drag__drag=0.5)
+    assert np.hypot(poses[-1, 0], poses[-1, 1]) < 0.02
+    assert poses[-1, 2] < driven(-0.3, 0.3)[-1, 2]
+
+
+def test_two_rough_sides_hold_the_robot_together():
+    rough = dict(rough_floor_patch__drag=3.0, rough_floor_patch__x=0.0, rough_floor_patch__y=0.0)
+    poses = driven(0.02, -0.02, **rough)
+    assert np.abs(poses[-1]).max() < 1e-9
+
+
+@pytest.mark.parametrize("creep", [0.0, 1e-3, 0.2])
+@pytest.mark.parametrize("free", [-3.0, -0.01, 0.004, 0.5])
+def test_the_slowed_speed_solves_its_equation(free, creep):
+    reach = 0.03
+    x = slowed(free, reach, creep)
+    if creep == 0.0:
+        assert x == pytest.approx(math.copysign(max(abs(free) - reach, 0.0), free))
+    else:
+        assert x + reach * x / math.hypot(x, creep) == pytest.approx(free, abs=1e-8)
+
+
+def test_tyres_that_spin_slip_more_easily():
+    plain = driven(-0.3, 0.3, tyre_scrub__moment=0.05)
+    spinning = driven(-0.3, 0.3, tyre_scrub__moment=0.05, tyre_scrub__spin=0.1)
+    assert spinning[-1, 2] < 0.95 * plain[-1, 2]
