@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fsm_calib.diagnosis.design.odds import TEMPER, counted
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.types import FloatArray
@@ -22,6 +23,7 @@ class Hypothesis:
 
     probability : before the drive. values : (p,) parameters of the roll-out. places : (m,) which of them are not
     known exactly, those of the base robot first; covariance : (m, m) of them; steps : (m,) finite differences.
+    room : evidence over nothing that it may still win in full (`odds`).
     """
 
     names: tuple[str, ...]
@@ -30,6 +32,7 @@ class Hypothesis:
     places: tuple[int, ...]
     covariance: FloatArray
     steps: FloatArray
+    room: float = 0.0
 
     @property
     def label(self) -> str:
@@ -76,6 +79,26 @@ class Belief:
     def sureness(self) -> float:
         """Probability of the likeliest explanation, the un-named ones counted."""
         return float(self.probabilities.max() * (1.0 - self.unnamed))
+
+    def log_weights(self, log_likelihood: FloatArray) -> FloatArray:
+        """Return log odds, up to what all share, after a drive whose log-likelihoods are (n, h) under the explanations.
+
+        They are weighed as a diagnosis of that drive weighs them: against nothing missing, where that is among them.
+        """
+        plain = next((k for k, h in enumerate(self.hypotheses) if not h.names), 0)
+        won = 2.0 * (log_likelihood - log_likelihood[:, plain : plain + 1])
+        room = np.array([h.room for h in self.hypotheses])
+        return np.asarray(np.log(np.maximum(self.probabilities, 1e-300)) + counted(won, room))
+
+    @property
+    def tempers(self) -> FloatArray:
+        """By how much evidence between two explanations is divided, (h, h): not where nothing is missing in one of them
+        and the other has won less than detection asks for.
+        """
+        none = np.array([not h.names for h in self.hypotheses])
+        faint = none | np.array([h.room > 0.0 for h in self.hypotheses])
+        in_full = (none[:, None] | none[None, :]) & faint[:, None] & faint[None, :]
+        return np.asarray(np.where(in_full, 1.0, TEMPER))
 
     @property
     def leader(self) -> Hypothesis:

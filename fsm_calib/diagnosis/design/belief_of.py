@@ -1,8 +1,7 @@
 """From a diagnosis to a belief: the one place where the designer looks into a decision.
 
-Probabilities are the diagnosis' own: exp(evidence / 2 TEMPER) among fitted explanations. An effect that found nothing
-to explain may still hide: it is believed in at the size that would have stayed unseen, and never below the share of
-its typical size that matters. Events happen once; in a new drive they change nothing.
+Odds follow from the diagnosis' evidence by one law (`odds`). Where it detected nothing, every effect may still hide, at
+sizes that matter, as far as the drives allow (`unseen`). Events happen once; in a new drive they change nothing.
 """
 
 from __future__ import annotations
@@ -19,34 +18,30 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     hypotheses_of,
     is_event,
     scaled,
+    shown_by,
 )
 from fsm_calib.diagnosis.candidates.ranking import evidence_of
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
+from fsm_calib.diagnosis.design.odds import DETECT, log_odds, room_of
+from fsm_calib.diagnosis.design.unseen import ANY_PHASE, unseen
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.likelihood.noise import Noise
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
 from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
 from fsm_calib.diagnosis.verdict.decide import Decision
-from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
 from fsm_calib.diagnosis.verdict.systematic_error import model_spread
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import NUISANCE, parameter_table
 
-TEMPER = (
-    3.0  # evidence gaps are divided by it: likelihoods of inexact equations are over-confident by so much
-)
 GENERAL_DOUBT = 0.02  # share of names that are wrong for no visible reason
 MOST = 14  # explanations that are kept: those behind have a thousandth of the doubt
-MATTERS = 0.2  # of an effect's typical size: a smaller one changes no drive by more than its noise
 LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
 PRIOR_SPREAD = 0.4  # of a typical size, before anything was driven
 UNNAMED = 0.5  # probability that no name is right, where the diagnosis gives none
-ANY_PHASE = 1.8  # rad: standard deviation of a phase that may be anything
 PRIOR_BASE = {
     "gain_left": 0.08, "gain_right": 0.08, "axle_length": 0.005, "tau_forward": 0.05, "tau_turn": 0.06,
 }  # before anything was driven; m/s, m, s: gains of 32 real robots differ by an eighth (parameters.SPREAD)  # fmt: skip
@@ -55,15 +50,19 @@ Weighed = tuple[float, Hypothesis]
 """Log odds against nothing at all, and the explanation."""
 
 
-def belief_of(decision: Decision, gates: Gates = DEFAULT_GATES, most: int = MOST) -> Belief:
-    """Return what a decision leaves us to believe of the next drive."""
+def belief_of(decision: Decision, most: int = MOST) -> Belief:
+    """Return what a decision leaves us to believe of the next drive; explanations beyond `most` count as un-named."""
     base, simulator = decision.base, decision.engine.simulators[0]
-    weighed = [(0.0, _nothing(base)), *_singles(decision), *_pairs(decision)]
+    lasting = [e for e in shown_by(catalogue(), decision.engine.simulators) if not is_event(e)]
+    weighed = [(0.0, _nothing(base)), *_singles(decision, len(lasting)), *_pairs(decision, len(lasting))]
     if decision.outcome == "match":
-        weighed += _hidden(decision, gates)
-    top = max(log_odds for log_odds, _ in weighed)
-    hypotheses = kept([replace(h, probability=math.exp(log_odds - top)) for log_odds, h in weighed], most)
+        weighed = [(0.0, _nothing(base)), *_places(decision, len(lasting)), *_hidden(decision, lasting)]
+    top = max(odds for odds, _ in weighed)
+    everything = [replace(h, probability=math.exp(odds - top)) for odds, h in weighed]
+    hypotheses = kept(everything, most)
     total = sum(h.probability for h in hypotheses)
+    behind = 1.0 - total / sum(h.probability for h in everything)
+    doubt = UNNAMED if decision.outcome == "unexplained" else GENERAL_DOUBT
     frames = float(np.median([s.prepared.geometry[2] for s in decision.engine.simulators]))
     return Belief(
         hypotheses=tuple(replace(h, probability=h.probability / total) for h in hypotheses),
@@ -73,7 +72,7 @@ def belief_of(decision: Decision, gates: Gates = DEFAULT_GATES, most: int = MOST
         robot=simulator.prepared.recording.robot,
         frame_rate=1.0 / max(frames, 1e-3),
         full_speed=simulator.full_speed,
-        unnamed=UNNAMED if decision.outcome == "unexplained" else GENERAL_DOUBT,
+        unnamed=1.0 - (1.0 - doubt) * (1.0 - behind),
     )
 
 
@@ -103,7 +102,9 @@ def prior_belief(
         covariance[range(len(slots), len(covariance)), range(len(slots), len(covariance))] = sizes**2
         places = tuple(s.place for s in (*slots, *own))
         hypotheses.append(
-            Hypothesis((effect.name,), 0.5 / len(effects), values, places, covariance, _steps((*slots, *own)))
+            Hypothesis(
+                (effect.name,), 0.5 / len(effects), values, places, covariance, _steps((*slots, *own)), DETECT
+            )
         )
     return Belief(
         kept(hypotheses, len(hypotheses)),
@@ -142,7 +143,8 @@ def with_doubts(belief: Belief, share: float = 0.2, most: int = MOST + 6) -> Bel
         places = (*leader.places, *(s.place for s in own))
         steps = np.concatenate([leader.steps, _steps(own)])
         probability = share / len(effects)
-        more.append(Hypothesis((*leader.names, effect.name), probability, values, places, covariance, steps))
+        names = (*leader.names, effect.name)
+        more.append(Hypothesis(names, probability, values, places, covariance, steps, DETECT))
     kept_before = [replace(h, probability=(1.0 - share) * h.probability) for h in belief.hypotheses]
     return replace(belief, hypotheses=kept([*kept_before, *more], most))
 
@@ -164,31 +166,42 @@ def _nothing(base: Fit) -> Hypothesis:
     return Hypothesis((), 1.0, base.values[0], places, _spread(base, base.slots, ()), _steps(base.slots))
 
 
-def _singles(decision: Decision) -> Iterator[Weighed]:
+def _singles(decision: Decision, catalogue: int) -> Iterator[Weighed]:
     """Yield every effect that won something by itself."""
     for ranked in decision.ranking:
         if ranked.gain >= LEAST_GAIN:
-            yield 0.5 * ranked.evidence / TEMPER, _fitted(ranked.fit, (ranked.name,), decision.base)
+            yield _weighed(ranked.evidence, ranked.fit, (ranked.name,), decision.base, catalogue)
 
 
-def _pairs(decision: Decision) -> Iterator[Weighed]:
+def _places(decision: Decision, catalogue: int) -> Iterator[Weighed]:
+    """Yield places that won something where nothing was detected: by its many looks a scan wins as much by chance."""
+    for ranked in decision.ranking:
+        if ranked.gain >= LEAST_GAIN and registry()[ranked.name].scan == "place":
+            evidence = min(ranked.evidence - DETECT, 0.0)
+            yield _weighed(evidence, ranked.fit, (ranked.name,), decision.base, catalogue)
+
+
+def _pairs(decision: Decision, catalogue: int) -> Iterator[Weighed]:
     """Yield an answer of several effects, the same without each of them, and with each of its rivals in its place."""
-    supports = decision.model.supports
+    supports, base = decision.model.supports, decision.base
     if len(supports) < 2:
         return
     names = tuple(s.name for s in supports)
-    total = evidence_of(decision.model.fit, decision.base, decision.engine.count)
-    yield 0.5 * total / TEMPER, _fitted(decision.model.fit, names, decision.base)
+    total = evidence_of(decision.model.fit, base, decision.engine.count)
+    yield _weighed(total, decision.model.fit, names, base, catalogue)
     for i, support in enumerate(supports):
         rest = names[:i] + names[i + 1 :]
         if len(rest) > 1:
-            yield (
-                0.5 * (total - support.added.evidence) / TEMPER,
-                _fitted(support.without, rest, decision.base),
-            )
+            yield _weighed(total - support.added.evidence, support.without, rest, base, catalogue)
         for rival in support.rivals:
             other = (*names[:i], rival.name, *names[i + 1 :])
-            yield 0.5 * (total - rival.gap.evidence) / TEMPER, _fitted(rival.fit, other, decision.base)
+            yield _weighed(total - rival.gap.evidence, rival.fit, other, base, catalogue)
+
+
+def _weighed(evidence: float, fit: Fit, names: tuple[str, ...], base: Fit, catalogue: int) -> Weighed:
+    """Return a fitted explanation with its odds."""
+    found = replace(_fitted(fit, names, base), room=room_of(evidence, len(names)))
+    return log_odds(evidence, len(names), catalogue), found
 
 
 def _fitted(fit: Fit, names: tuple[str, ...], base: Fit) -> Hypothesis:
@@ -223,28 +236,15 @@ def _spread(fit: Fit, slots: Sequence[Slot], names: tuple[str, ...]) -> FloatArr
     return np.asarray(0.5 * (covariance + covariance.T))
 
 
-def _hidden(decision: Decision, gates: Gates) -> Iterator[Weighed]:
-    """Yield effects that found nothing to explain, at the size that half of what detection asks for would show.
-
-    The data are against such a size by as much as it would have shown; a size that matters is not gone below.
-    """
-    base, shown = decision.base, 0.5 * gates.detect
-    won = {r.name for r in decision.ranking if r.gain >= LEAST_GAIN}
-    sizes = smallest_sizes(decision, shown)
-    wanted = shown + math.log(decision.engine.count)
-    for name, (parameter, size, _) in sizes.items():
-        if name in won:
-            continue
-        effect = registry()[name]
-        entry = effect.parameter(parameter)
-        matters = MATTERS * abs(entry.typical - entry.null)
-        grown = max(matters / max(abs(size - entry.null), 1e-12), 1.0)
-        value = entry.null + grown * (size - entry.null)
-        values = with_values(base.values[:1], {f"{name}.{parameter}": value})[0]
-        slots = (*base.slots, slot_of(f"{name}.{parameter}"))
+def _hidden(decision: Decision, effects: Sequence[Effect]) -> Iterator[Weighed]:
+    """Yield effects that may still hide, by what the drives say of the sizes that matter."""
+    base = decision.base
+    for hidden in unseen(decision, [e for e in effects if not e.scan]):
+        slots = (*base.slots, slot_of(hidden.parameter))
         covariance = np.zeros((len(slots), len(slots)))
         covariance[:-1, :-1] = _spread(base, base.slots, ())
-        covariance[-1, -1] = (0.3 * (value - entry.null)) ** 2
-        log_odds = -0.5 * wanted * grown**2 / TEMPER - 0.5 * math.log(len(sizes))
+        covariance[-1, -1] = hidden.spread**2
         places = tuple(s.place for s in slots)
-        yield log_odds, Hypothesis((name,), 1.0, values, places, covariance, _steps(slots))
+        room = room_of(2.0 * hidden.log_ratio, 1)
+        odds = hidden.log_ratio - math.log(len(effects))
+        yield odds, Hypothesis((hidden.name,), 1.0, hidden.values, places, covariance, _steps(slots), room)

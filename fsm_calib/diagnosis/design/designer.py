@@ -17,7 +17,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief, drawn_values, place_of
-from fsm_calib.diagnosis.design.foresight import Foresight
+from fsm_calib.diagnosis.design.foresight import Foresight, Holds
 from fsm_calib.diagnosis.design.plan import Forecast, Outlook, Plan, Waypoint
 from fsm_calib.diagnosis.design.primitives import Primitive, menu
 from fsm_calib.diagnosis.design.separation import Pairs, distances, expected_posteriors, information
@@ -30,7 +30,6 @@ REACHES = (
 )  # shares of the full manoeuvres that are tried in a row where longer ones do not fit in
 CRAMPED_SHARE = 0.25  # of manoeuvres that do not fit in: from another place there may be more to choose from
 MOST_TRIED = 12  # manoeuvres that are held against the bounds at each step before the drive ends there
-TEMPER = 3.0  # the diagnosis divides its evidence by it (verdict/posterior.py)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +112,29 @@ def random_drive(
     return NoDrive.NO_ROOM
 
 
+def foretold(plan: Plan, belief: Belief, rng: np.random.Generator, wishes: Wishes = Wishes()) -> Plan:
+    """Return a plan with what it promises to a belief other than the one it was designed for."""
+    start = np.array([plan.start.x, plan.start.y, plan.start.theta])
+    return replace(plan, forecast=_promised(Foresight(belief), plan.holds, start, wishes.draws, rng)[0])
+
+
+def _promised(
+    foresight: Foresight, holds: Holds, start: FloatArray, draws: int, rng: np.random.Generator
+) -> tuple[Forecast, FloatArray]:
+    """Return what a drive promises, and what would be said of it (h, h): row = what is true, column = said."""
+    belief, columns = foresight.belief, foresight.columns
+    gram, p = foresight.gram(holds, start), belief.probabilities
+    said, surest = expected_posteriors(gram, columns, belief.log_weights, draws, rng)
+    apart = distances(gram, columns, Pairs.of(columns))
+    forecast = Forecast(
+        sureness_before=belief.sureness,
+        sureness=float(p @ surest) * (1.0 - belief.unnamed),
+        information=information(apart, p, belief.tempers),
+        doubt_before=belief.doubt,
+    )
+    return forecast, said
+
+
 @dataclass(eq=False)
 class Composer:
     """Chains manoeuvres from one start (x, y, theta).
@@ -141,13 +163,13 @@ class Composer:
         gram = np.zeros((columns.width, columns.width))
         starts = np.tile(self.start, (len(belief.hypotheses), 1))
         chosen: list[Primitive] = []
-        rows = self.rows(rng)
+        rows, temper = self.rows(rng), belief.tempers * self.wishes.caution
         spent, known, rates = 0.0, 0.0, dict[str, float]()
         while True:
             weighed: list[tuple[float, Primitive, FloatArray, float]] = []
             for option in self._promising(starts, spent, rates, chosen):
                 grown = gram + self.foresight.gram(option.holds, starts[0])
-                told = information(distances(grown, columns, pairs), p, TEMPER * self.wishes.caution)
+                told = information(distances(grown, columns, pairs), p, temper)
                 rates[option.name] = rate = (told - known) / option.duration
                 weighed.append((rate, option, grown, told))
             weighed = [w for w in weighed if self._goes_on(w[0], known, spent)]
@@ -256,18 +278,10 @@ class Composer:
     def plan(self, chosen: Sequence[Primitive], rng: np.random.Generator) -> Plan:
         """Roll the whole drive out, and say what is expected of it."""
         foresight, belief = self.foresight, self.foresight.belief
-        holds, columns, p = self.holds(chosen), foresight.columns, belief.probabilities
-        gram = foresight.gram(holds, self.start)
-        apart = distances(gram, columns, Pairs.of(columns))
-        said, surest = expected_posteriors(gram, columns, p, TEMPER, self.wishes.draws, rng)
+        holds, p = self.holds(chosen), belief.probabilities
+        forecast, said = _promised(foresight, holds, self.start, self.wishes.draws, rng)
         values = np.array([h.values for h in belief.hypotheses])
         ends = foresight.rolled(holds, values, self.start)[:, -1]
-        forecast = Forecast(
-            sureness_before=belief.sureness,
-            sureness=float(p @ surest) * (1.0 - belief.unnamed),
-            information=information(apart, p, TEMPER),
-            doubt_before=belief.doubt,
-        )
         outlooks = tuple(
             Outlook(
                 h.names,

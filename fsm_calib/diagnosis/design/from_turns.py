@@ -19,7 +19,8 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import declared_starts, hypotheses_of
 from fsm_calib.diagnosis.design.belief import Belief, kept
-from fsm_calib.diagnosis.design.belief_of import TEMPER, prior_belief
+from fsm_calib.diagnosis.design.belief_of import prior_belief
+from fsm_calib.diagnosis.design.odds import TEMPER
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.types import FloatArray

@@ -18,6 +18,7 @@ equations are inexact; the designer must not be surer than the diagnosis will be
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,19 +79,26 @@ def distances(gram: FloatArray, columns: Columns, pairs: Pairs) -> FloatArray:
     return out
 
 
-def information(apart: FloatArray, p: FloatArray, temper: float) -> float:
-    """Return the least information [nat] that a drive with distances `apart` (h, h) is expected to give."""
+def information(apart: FloatArray, p: FloatArray, temper: FloatArray | float) -> float:
+    """Return the least information [nat] that a drive with distances `apart` (h, h) is expected to give.
+
+    temper : of all pairs alike, or of each (h, h).
+    """
     overlap = np.exp(-apart / (8.0 * temper)) @ p
     return float(-np.sum(p * np.log(np.maximum(overlap, 1e-300))))
 
 
+Weigh = Callable[[FloatArray], FloatArray]
+"""Log odds (n, h), up to what all share, from log-likelihoods (n, h) of a drive."""
+
+
 def expected_posteriors(
-    gram: FloatArray, columns: Columns, p: FloatArray, temper: float, draws: int, rng: np.random.Generator
+    gram: FloatArray, columns: Columns, weigh: Weigh, draws: int, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean posterior probabilities by nested sampling, shape (h, h): row = what is true, column = said, and
     the mean probability (h,) of what is then likeliest.
 
-    For every explanation `draws` sets of numbers and noises; the evidence of each explanation is exact for them.
+    For every explanation `draws` sets of numbers and noises; the likelihood of each explanation is exact for them.
     """
     count = len(columns.means)
     root = _root(gram)
@@ -98,8 +106,8 @@ def expected_posteriors(
     table, surest = np.zeros((count, count)), np.zeros(count)
     for i in range(count):
         seen = _seen(gram, root, columns, i, draws, rng)
-        log_odds = np.column_stack([_log_evidence(gram, columns, j, solved[j], seen) for j in range(count)])
-        weight = np.log(np.maximum(p, 1e-300)) + log_odds / temper
+        likelihood = np.column_stack([_log_evidence(gram, columns, j, solved[j], seen) for j in range(count)])
+        weight = weigh(likelihood)
         weight = np.exp(weight - weight.max(axis=1, keepdims=True))
         posterior = weight / weight.sum(axis=1, keepdims=True)
         table[i], surest[i] = posterior.mean(axis=0), posterior.max(axis=1).mean()
