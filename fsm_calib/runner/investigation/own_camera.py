@@ -19,7 +19,8 @@ from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.errors import InputError
 from fsm_calib.perception.floor_map import adjusted_poses
 from fsm_calib.perception.floor_pose import view_on_floor
-from fsm_calib.types import Pose2
+from fsm_calib.runner.investigation.levelled import levelled
+from fsm_calib.types import CameraMount, Pose2
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.scene import SceneSpec
 from fsm_calib.world2d.surfaces import field_markers
@@ -80,13 +81,17 @@ def with_sight(area: Area, bench: Bench, scene: SceneSpec, asked: InvestigateSet
     return replace(area, sight=sight)
 
 
-def corrected(drives: Sequence[Field], scene: SceneSpec, camera: Seat) -> list[list[PoseRow]]:
+def corrected(
+    drives: Sequence[Field], scene: SceneSpec, mount: CameraMount, camera: Seat
+) -> list[list[PoseRow]]:
     """Return the poses of drives by a map that all of them tell together, and with where the camera sits by them.
 
     How tags were laid and how the camera is mounted, known to 3 mm and half a degree, are no physics of the robot.
+    mount : as it was known when the tags were seen.
     """
-    size = 0.065 if scene.field is None else scene.field.size
-    poses, _ = adjusted_poses([tags for drive in drives for tags in drive.seen], drawn_tags(scene), size)
+    size, drawn = 0.065 if scene.field is None else scene.field.size, drawn_tags(scene)
+    frames = levelled([tags for drive in drives for tags in drive.seen], drawn, mount, size)
+    poses, _ = adjusted_poses(frames, drawn, size)
     rows, begin = list[list[PoseRow]](), 0
     for drive in drives:
         told = poses[begin : begin + len(drive.poses)]

@@ -12,7 +12,7 @@ from fsm_calib.actions.investigating import Field, InvestigationBench
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief, with_doubts
-from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design
+from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design, foretold
 from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.errors import DataError
@@ -56,13 +56,11 @@ class Mind:
     def design_drive(self, bench: InvestigationBench) -> Outcome:
         """Find the drive of most information per second from where the robot is."""
         asked, findings = bench.asked, bench.findings
-        belief = self._believed(bench)
-        sure = belief is not None and belief.sureness >= asked.sure
-        least = 0.0 if belief is None else LEAST_SHARE * belief.doubt
-        if belief is None:
-            belief = prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
-        elif sure or len(belief.hypotheses) == 1:  # what one explanation leaves may be a drive's bad luck
-            belief, least = with_doubts(belief), 0.0
+        believed = self._believed(bench) or prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
+        sure = believed.sureness >= asked.sure
+        belief, least = believed, LEAST_SHARE * believed.doubt
+        if sure or len(believed.hypotheses) == 1:  # what one explanation leaves may be a drive's bad luck
+            belief, least = with_doubts(believed), 0.0
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
         findings.designs += 1
         longest = min(asked.longest, max(asked.budget - findings.spent, SHORTEST_TIME))
@@ -73,6 +71,8 @@ class Mind:
         if isinstance(plan, NoDrive):
             evidence = {"sure": sure, "cramped": plan is NoDrive.CRAMPED}
             return Outcome("nothing_to_learn", evidence, "No drive in reach would make the answer surer.")
+        if belief is not believed:  # what may be beside the answer is no part of its sureness
+            plan = foretold(plan, believed, rng, wishes)
         findings.holds, findings.plan = list(plan.holds), plan.as_json()
         self.plans.append(plan)
         told: dict[str, object] = {
@@ -159,7 +159,7 @@ class Mind:
         """Return the recordings that were given and those of the drives."""
         drives = bench.findings.drives
         if drives and self.scene is not None:
-            rows = corrected(drives, self.scene, bench.findings.camera)
+            rows = corrected(drives, self.scene, bench.notebook.mount, bench.findings.camera)
             drives = [replace(drive, poses=poses) for drive, poses in zip(drives, rows, strict=True)]
         return (*self.given, *(recording_of(d, self.facts, n) for n, d in enumerate(drives, start=1)))
 
