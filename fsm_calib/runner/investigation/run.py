@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from fsm_calib.diagnosis.design.belief import Belief
 from fsm_calib.diagnosis.design.designer import design
-from fsm_calib.errors import RobotLost
 from fsm_calib.journal import write_atomically
 from fsm_calib.outcome import Outcome
 from fsm_calib.recording.recording import Recording
@@ -23,7 +24,9 @@ from fsm_calib.runner.loop import run_to_end, step_abort
 from fsm_calib.runner.progress import Observer, Silent
 from fsm_calib.runner.run import Stopped, clear, stop_on_signals
 from fsm_calib.scenario.models import Scenario
-from fsm_calib.statechart.runtime import Failure
+
+WORTH_TELLING = 0.01
+"""Probability from which on an effect that may hide is told."""
 
 
 def investigate(
@@ -91,12 +94,14 @@ def _investigated(
     return going, result
 
 
-def _why_ended(
-    failure: Failure | None, lost: RobotLost | None, state: str, verdict: dict[str, Any]
-) -> dict[str, str]:
+def _why_ended(going: Investigation, verdict: dict[str, Any]) -> dict[str, str]:
     """Return reason and cure: of what ended the run, or the verdict's own reason where it came to its end."""
+    machine, lost, belief = going.run.machine, going.run.lost, going.mind.belief
+    failure, state = machine.failure, machine.state
     if failure is not None:
-        return {"reason": failure.reason, "cure": failure.cure}
+        nothing = belief is not None and not belief.leader.names and verdict.get("verdict") == "match"
+        found = f"{nothing_found(belief)} " if nothing and belief is not None else ""
+        return {"reason": found + failure.reason, "cure": failure.cure}
     if lost is not None:
         return {"reason": f"{lost.problem}.", "cure": f"{lost.cure} Go on with --resume."}
     if state == "aborted":
@@ -104,11 +109,21 @@ def _why_ended(
     return {"reason": verdict.get("reason", ""), "cure": ""}
 
 
+def nothing_found(belief: Belief) -> str:
+    """Return in a sentence how sure it is that nothing is missing, and what may hide after all."""
+    hidden = [
+        f"{h.label} {100.0 * p:.0f} %"
+        for h, p in zip(belief.hypotheses, belief.probabilities * (1.0 - belief.unnamed), strict=True)
+        if h.names and p >= WORTH_TELLING
+    ]
+    beside = f" What may hide: {', '.join(hidden)}." if hidden else ""
+    return f"Nothing that matters is missing, {math.floor(100.0 * belief.sureness)} % sure.{beside}"
+
+
 def result_of(going: Investigation, wall: float) -> dict[str, Any]:
     """Return the content of investigation.json: the diagnosis' own, with the drives, how it ended, and what it cost."""
     findings, machine = going.bench.findings, going.run.machine
     verdict = going.mind.diagnosis.verdict.as_json() if going.mind.diagnosis is not None else {}
-    lost = going.run.lost
     drives = [
         {
             "seconds": round(d.poses[-1][0] - d.poses[0][0], 2),
@@ -124,7 +139,7 @@ def result_of(going: Investigation, wall: float) -> dict[str, Any]:
         **verdict,
         "drives": drives,
         "ended": machine.state,
-        **_why_ended(machine.failure, lost, machine.state, verdict),
+        **_why_ended(going, verdict),
         "sureness": None if going.mind.belief is None else round(going.mind.belief.sureness, 4),
         "robot": {"seconds": round(findings.spent, 3), "distance_m": round(findings.distance, 3)},
         "seconds": round(wall, 2),
