@@ -1,4 +1,4 @@
-"""What the campaign of runs does to a run: kills, signals, faults, full disks, bad places, two at once; and what is right."""
+"""What the campaign of runs does to a run: kills, signals, full disks, bad places, two at once; and what is right."""
 
 from __future__ import annotations
 
@@ -8,20 +8,18 @@ import os
 import random
 import resource
 import signal
-import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import yaml
+from campaign_case import Case, Wrong
 from campaign_children import Child, command, started
-from edges import FAULTS, is_good
+from campaign_faults import faults
 from fleet_runs import NO_PICTURES, SCENARIOS
 
-from fsm_calib.errors import DataError, FsmCalibError
+from fsm_calib.errors import DataError
 from fsm_calib.journal import CHECKPOINT_NAME, JOURNAL_NAME, read_checkpoint
 
 LONGEST_LINE = 1200  # characters of a sentence
@@ -35,39 +33,16 @@ FAULTY = ("dead_wheel", "dropped_frames", "frozen_frames", "missing_board", "mis
 OTHERS = (*["in_lane_refinement", "paper_two_boards"] * 2, "as_published", *(f"fault_{f}" for f in FAULTY))
 KILLED = (*DISTURBED, *OTHERS)
 """Scenarios that are killed: every one that a run takes, those that fail by design, too."""
-STATES = ("full_calibration", "full_calibration", "wheels_only", "exit")
-"""Scenarios in whose states faults begin."""
 DAMAGED = (CHECKPOINT_NAME, JOURNAL_NAME)
 FLIPS = 1000
 """Bits that are flipped in each of them."""
-LONGEST_RUN = 900.0
-"""Robot time within which every run has ended by its own limits [s]; a fault begins in the first 600 s of it."""
 
 
-@dataclass
-class Case:
-    """One case: a folder of its own, its random numbers, and what was decided (kept for the report)."""
-
-    folder: Path
-    rng: random.Random
-    reference: Callable[[str, int], Path]
-    """The directory of an undisturbed run of a scenario and seed."""
-    plan: dict[str, Any] = field(default_factory=dict)
-
-    def choose(self, **given: Any) -> None:
-        """Note decisions."""
-        self.plan |= given
-
-
-class Wrong(Exception):
-    """What a run must not do."""
-
-
-def scenario_file(folder: Path, name: str, seed: int) -> Path:
-    """Return a scenario's file in `folder`, without film and with its page."""
+def scenario_file(folder: Path, name: str, seed: int, *, pictures: bool = True) -> Path:
+    """Return a scenario's file in `folder`, without film and with its page, or with neither page nor pictures."""
     values = yaml.safe_load((SCENARIOS / f"{name}.yaml").read_text()) | {"seed": seed}
     path = folder / f"{name}-{seed}.yaml"
-    path.write_text(yaml.safe_dump(values))
+    path.write_text(yaml.safe_dump(values | ({} if pictures else {"output": NO_PICTURES})))
     return path
 
 
@@ -339,58 +314,6 @@ def taken_up(directory: Path) -> tuple[dict[str, Any], bytes] | None:
         return None
     kept = 0 if state is None else state["journal_length"]
     return state or {}, (directory / JOURNAL_NAME).read_bytes()[:kept]
-
-
-def faults(case: Case) -> None:
-    """Let one or two faults begin at random: the run ends by name, wheels at zero, in time; `done` must be good."""
-    name, seed = case.rng.choice(STATES), case.rng.randrange(1000)
-    until = 600.0 if name == "full_calibration" else 120.0
-    numbers = np.random.default_rng(case.rng.randrange(1 << 30))
-    drawn = [FAULTS[int(numbers.integers(len(FAULTS)))](numbers) for _ in range(case.rng.choice((1, 2)))]
-    chosen = [fault | {"at": float(numbers.uniform(0.0, until))} for fault in drawn]
-    case.choose(scenario=name, seed=seed, faults=chosen)
-    child = started(lambda: _run_with(case.folder, name, seed, chosen), case.folder / "log").wait()
-    if child.code:
-        raise Wrong(f"exit code {child.code}: {child.stderr().strip().splitlines()[-1:]}")
-    row = json.loads((case.folder / "row.json").read_text())
-    case.choose(
-        ended=row["outcome"] if row["failure"] is None else row["failure"]["name"], state=row["state"]
-    )
-    _expect_named(row, name)
-
-
-def _run_with(folder: Path, name: str, seed: int, chosen: list[dict[str, Any]]) -> int:
-    """Run in this process and leave the result, the last wheel command included."""
-    from fsm_calib.runner.run import run_scenario
-    from fsm_calib.scenario.load import load_scenario
-    from fsm_calib.scenario.models import Scenario
-
-    values = load_scenario(SCENARIOS / f"{name}.yaml").model_dump(exclude_unset=True)
-    values |= {"seed": seed, "faults": chosen, "output": NO_PICTURES}
-    try:
-        finished = run_scenario(Scenario.model_validate(values), folder / "out")
-    except FsmCalibError as error:
-        print(error, file=sys.stderr)
-        return 3
-    last = finished.session.world.robot.command_log[-1][1]  # type: ignore[union-attr]
-    row = finished.result | {"last_command": [last.left, last.right]}
-    (folder / "row.json").write_text(json.dumps(row))
-    return 0
-
-
-def _expect_named(row: dict[str, Any], name: str) -> None:
-    """Demand that a run says how it ended, stands still, and claims nothing that is not so."""
-    failure = row["failure"]
-    if row["last_command"] != [0.0, 0.0]:
-        raise Wrong(f"wheels at {row['last_command']}")
-    if row["seconds"]["simulated"] > LONGEST_RUN:
-        raise Wrong(f"{row['seconds']['simulated']:.0f} s of robot time")
-    if row["outcome"] == "done":
-        if name == "full_calibration" and not is_good(row):
-            raise Wrong("done, and the result is not good")
-        return
-    if failure is None or not all(failure[key].strip() for key in ("name", "reason", "cure")):
-        raise Wrong(f"ended without a name: {failure}")
 
 
 HAZARDS: dict[str, Callable[[Case], None]] = {

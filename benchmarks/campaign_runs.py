@@ -7,7 +7,7 @@
 |---|---|---|
 | kill | SIGKILL at one to three random moments, each fifth in the last second | resumed, every file equals that of a run left alone |
 | signal | SIGTERM, SIGINT, SIGHUP at a random moment | exit code 1 and a sentence; resumed as above |
-| fault | one or two faults that begin at random, in whatever state | ended by name, wheels at zero, in time; what is done is good |
+| fault | one or two faults that begin in states drawn evenly, some in bad light | ended by name, wheels at zero, in time; what is done is good |
 | full disk | no file may grow beyond a random size | a sentence, nothing half written; with room again as above |
 | place | a place where nothing, or not everything, can be written | a sentence |
 | two at once | two runs in one directory | one is refused; the result is whole |
@@ -33,8 +33,9 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parent))
 
 from campaign import options_of
+from campaign_case import Case, Wrong
 from campaign_children import Hang, command, started
-from campaign_hazards import HAZARDS, Case, Wrong, code_of, scenario_file
+from campaign_hazards import HAZARDS, code_of, scenario_file
 
 
 class Campaign:
@@ -49,13 +50,13 @@ class Campaign:
         if any(row["campaign"] != seed for row in self.rows):
             sys.exit(f"{out} holds a campaign of another seed: give it, or another --out")
 
-    def reference(self, name: str, seed: int) -> Path:
+    def reference(self, name: str, seed: int, *, pictures: bool = True) -> Path:
         """Return the directory of a run of this scenario and seed that nobody disturbed."""
-        directory = self.out / "undisturbed" / f"{name}-{seed}"
+        directory = self.out / "undisturbed" / f"{name}-{seed}{'' if pictures else '-bare'}"
         if not (directory / "result.json").exists():
             shutil.rmtree(directory, ignore_errors=True)
             directory.parent.mkdir(parents=True, exist_ok=True)
-            file = scenario_file(directory.parent, name, seed)
+            file = scenario_file(directory.parent, name, seed, pictures=pictures)
             made = self.out / "undisturbed" / "new"
             shutil.rmtree(made, ignore_errors=True)
             child = started(command(["run", str(file), "--out", str(made)]), self.out / "log").wait()
@@ -112,6 +113,14 @@ class Campaign:
         ends = Counter(row["plan"].get("ended", "") for row in self.rows if row["kind"] == "fault")
         lines += ["", "| runs with faults ended | times |", "|---|---|"]
         lines += [f"| {name or 'not at all'} | {count} |" for name, count in ends.most_common()]
+        began = Counter(
+            (fault["kind"], state or "after the end")
+            for row in self.rows
+            if row["kind"] == "fault"
+            for fault, state in zip(row["plan"]["faults"], row["plan"].get("began", ()), strict=False)
+        )
+        lines += ["", "| fault | began in | times |", "|---|---|---|"]
+        lines += [f"| {fault} | {state} | {count} |" for (fault, state), count in sorted(began.items())]
         lines += ["", "| not right | found | plan |", "|---|---|---|"]
         lines += [
             f"| --kind '{row['kind']}' --case {row['case']} | {row['found']} | {json.dumps(row['plan'])} |"

@@ -19,8 +19,10 @@ campaign_runs = importlib.util.module_from_spec(_spec)
 sys.modules["campaign_runs"] = campaign_runs
 _spec.loader.exec_module(campaign_runs)
 import campaign_hazards  # noqa: E402 - beside the benchmark
+from campaign_case import Case, Wrong  # noqa: E402
 from campaign_children import Child, Hang, started  # noqa: E402
-from campaign_hazards import Case, Wrong, expect_equal, expect_sentence  # noqa: E402
+from campaign_faults import expect_named, spans_of, state_at  # noqa: E402
+from campaign_hazards import expect_equal, expect_sentence  # noqa: E402
 
 
 def ended(folder: Path, code: int, said: str) -> Child:
@@ -136,3 +138,50 @@ def test_kinds_take_turns_until_each_has_had_its_cases(tmp_path: Path) -> None:
         taken.append(kind)
         campaign.rows.append({"kind": kind})
     assert taken == ["kill", "place", "kill", "place"]
+
+
+def test_the_state_in_which_a_fault_began_is_read_from_the_journal(tmp_path: Path) -> None:
+    journal = Journal(tmp_path)
+    for path, moment in (("a", 2.0), ("b", 2.0), ("c/d", 5.0)):
+        journal.append({"path": path, "time": moment, "pose": [moment, 0.0, 0.0]})
+    journal.close()
+    spans = spans_of(tmp_path)
+    assert [(span.state, span.begin, span.end, span.pose[0]) for span in spans] == [
+        ("a", 0.0, 2.0, 0.0),
+        ("c/d", 2.0, 5.0, 2.0),
+    ]
+    assert [state_at(spans, moment) for moment in (1.9, 2.0, 5.0)] == ["a", "c/d", ""]
+
+
+DONE = {
+    "outcome": "done",
+    "failure": None,
+    "last_command": [0.0, 0.0],
+    "seconds": {"simulated": 300.0},
+    "camera": {"true_px": 0.3, "predicted_px": 0.25},
+    "wheels": {"deviation_2m_m": -0.02},
+    "in_lane": {"deviation_before_m": 0.5, "deviation_after_m": -0.12},
+}
+NAMED = {"name": "wall_hit", "reason": "It stands.", "cure": "Move it."}
+
+
+@pytest.mark.parametrize("row", [DONE, DONE | {"outcome": "failed", "failure": NAMED, "wheels": None}])
+def test_a_good_result_and_a_named_failure_are_right(row: dict) -> None:
+    expect_named(row)
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        ({"last_command": [0.1, 0.0]}, "wheels at"),
+        ({"seconds": {"simulated": 1000.0}}, "1000 s"),
+        ({"outcome": "failed"}, "without a name"),
+        ({"outcome": "failed", "failure": NAMED | {"cure": " "}}, "without a name"),
+        ({"camera": {"true_px": 0.6, "predicted_px": 0.25}}, "camera"),
+        ({"wheels": {"deviation_2m_m": -0.2}}, "off after 2 m"),
+        ({"in_lane": {"deviation_before_m": 0.02, "deviation_after_m": -0.12}}, "what the lane told"),
+    ],
+)
+def test_a_wrong_end_of_a_run_with_faults_is_seen(change: dict, found: str) -> None:
+    with pytest.raises(Wrong, match=found):
+        expect_named(DONE | change)
