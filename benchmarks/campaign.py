@@ -1,6 +1,7 @@
 """A campaign against every reader: damaged input by kind, each answer judged, each finding shrunk to a small repro.
 
     python benchmarks/campaign.py [--inputs 1000000] [--seconds 3600] [--seed 0] [--out out/campaign] [--kind NAME ...]
+    python benchmarks/campaign.py --doors [--inputs 1000] ...     the same inputs given to commands, in a child process each
     python benchmarks/campaign.py --sample            the first inputs of seed 1, for continuous integration
 
 An answer is right when the input is read, or refused with one of the project's errors in printable lines of at most
@@ -32,7 +33,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from campaign_readers import KINDS, Files, Kind
+from campaign_readers import DOORS, KINDS, Files, Kind
 
 from fsm_calib.errors import FsmCalibError
 
@@ -210,13 +211,14 @@ class Campaign:
 def fuzz(campaign: Campaign, kinds: list[str], inputs: int, seconds: float, turns: float = math.inf) -> None:
     """Give every kind its turn until all together have had `inputs`, or each its `turns`, or the time is over."""
     began, before = time.monotonic(), campaign.seconds
-    sound = {name: KINDS[name].sound() for name in kinds}
+    known = KINDS | DOORS
+    sound = {name: known[name].sound() for name in kinds}
     while time.monotonic() - began < seconds and turns > 0:
         turns -= 1
         for name in kinds:
             left = inputs - sum(campaign.done.values())
             if left > 0 and time.monotonic() - began < seconds:
-                campaign.run(name, KINDS[name], sound[name], min(KINDS[name].turn, left))
+                campaign.run(name, known[name], sound[name], min(known[name].turn, left))
         campaign.seconds = before + time.monotonic() - began
         campaign.save()
         if sum(campaign.done.values()) >= inputs:
@@ -234,7 +236,8 @@ def options_of(about: str, kinds: Iterable[str], out: Path) -> argparse.Argument
 
 
 def main() -> int:
-    parser = options_of(__doc__, KINDS, Path("out/campaign"))
+    parser = options_of(__doc__, KINDS | DOORS, Path("out/campaign"))
+    parser.add_argument("--doors", action="store_true", help="every kind that a command reads, through it")
     parser.add_argument("--inputs", type=int, default=1_000_000, help="of all kinds together")
     parser.add_argument("--sample", action="store_true", help="the first inputs of seed 1")
     options = parser.parse_args()
@@ -244,7 +247,7 @@ def main() -> int:
     campaign = Campaign.opened(options.out, options.seed)
     fuzz(
         campaign,
-        options.kind or list(KINDS),
+        options.kind or list(DOORS if options.doors else KINDS),
         options.inputs,
         options.seconds,
         SAMPLE_TURNS if options.sample else math.inf,

@@ -16,6 +16,7 @@ from unittest import mock
 
 import cv2
 import numpy as np
+from campaign_door import through
 from damaged_input import drive
 from identify_fuzz import NASTY, damage, files
 from rosbags.rosbag2 import StoragePlugin
@@ -349,4 +350,25 @@ KINDS: dict[str, Kind] = {
     "TurtleBot, MCAP": Kind(turtlebot_files("mcap"), damaged_binary, read_bag_in, turn=BAGS),
     "TurtleBot, MCAP alone": Kind(without_metadata(turtlebot_files("mcap")), damaged_binary, read_bag_in, turn=BAGS),
 }  # fmt: skip
-__all__ = ["KINDS", "NASTY", "Files", "Kind"]
+IDENTIFY = ("identify", "--json", "{out}/result.json")
+COMMANDS: dict[str, tuple[str, ...]] = {
+    "scenario": ("validate", "{folder}/full_calibration.yaml"),
+    "study": ("validate", "{folder}/study.yaml"),
+    "manifest and CSV": (*IDENTIFY, "{folder}/recording.yaml"),
+    "fitted recording": (*IDENTIFY, "{folder}/recording.yaml"),
+    "gz": (*IDENTIFY, "{folder}/recording.yaml"),
+    "Duckietown bag": (*IDENTIFY, "{folder}/drive.bag"),
+    "SQLite bag": (*IDENTIFY, "{folder}"),
+    "TurtleBot, MCAP": (*IDENTIFY, "{folder}"),
+    "TurtleBot, ROS 1": ("recording", "init", "{folder}/drive.bag", "--out", "{out}/recording.yaml"),
+    "intrinsics": ("calibrate-camera", "--compare", "{folder}/robot.yaml", "{folder}/robot.yaml", "--json", "{out}/result.json"),
+    "tag image": ("focus", "{folder}"),
+    "board image": ("calibrate-camera", "{folder}", "--board", "7x4", "--square", "0.02", "--json", "{out}/result.json"),
+}  # fmt: skip
+"""Commands that are given damaged input of a kind, as their users would give it."""
+DOORS = {
+    f"{name}, {words[0]}": replace(KINDS[name], read=through(*words), turn=1)
+    for name, words in COMMANDS.items()
+}
+"""The kinds that are read through a command, each answer some tenths of a second."""
+__all__ = ["DOORS", "KINDS", "NASTY", "Files", "Kind"]

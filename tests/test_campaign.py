@@ -1,7 +1,9 @@
 """A sample of the fuzz campaign finds nothing, and the campaign finds and shrinks what is planted."""
 
 import importlib.util
+import os
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +17,8 @@ _spec = importlib.util.spec_from_file_location("campaign", ROOT / "benchmarks" /
 campaign = importlib.util.module_from_spec(_spec)
 sys.modules["campaign"] = campaign
 _spec.loader.exec_module(campaign)
-from campaign_readers import KINDS, Kind, damaged_text  # noqa: E402 - beside the benchmark
+import campaign_door  # noqa: E402 - beside the benchmark
+from campaign_readers import DOORS, KINDS, Kind, damaged_text  # noqa: E402
 
 FEW = {"fitted recording": 2}
 TOO_SHORT = {"manifest and CSV"}  # its sound form has too few poses to fit
@@ -32,6 +35,37 @@ def test_sample_of_damaged_input_is_read_or_refused_with_a_sentence(name: str, t
 @pytest.mark.parametrize("name", sorted(KINDS.keys() - TOO_SHORT))
 def test_sound_input_is_read(name: str) -> None:
     assert campaign.judge(KINDS[name], KINDS[name].sound()) == ("read", "")
+
+
+@pytest.mark.parametrize("name", ["scenario, validate", "Duckietown bag, identify"])
+def test_damaged_input_given_to_a_command_ends_with_a_code_and_a_sentence(
+    name: str, tmp_path: Path, capfd: pytest.CaptureFixture
+) -> None:
+    found = campaign.Campaign.opened(tmp_path, 21)
+    with capfd.disabled():  # a child's words go to its own log
+        found.run(name, DOORS[name], DOORS[name].sound(), 3)
+    assert found.findings == {}
+    assert sum(found.counts[name].values()) == 3
+
+
+def through_a_door(work: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> tuple[str, str]:
+    """Return what is judged of a command that does `work` in its folder for results, here the present one."""
+    monkeypatch.setattr(campaign_door, "command", lambda arguments: lambda: os.chdir(arguments[0]) or work())
+    return campaign.judge(replace(PLANTED, read=campaign_door.through("{out}")), PLANTED.sound())
+
+
+def test_a_command_that_fails_and_leaves_a_file_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    def half(code: int) -> int:
+        Path("half.json").write_text("{")
+        return os.write(2, b"fsm-calib: no.\n") and code
+
+    assert through_a_door(lambda: half(2), monkeypatch)[1].startswith("Wrong at campaign_door.py")
+    assert through_a_door(lambda: half(0), monkeypatch)[1].startswith("JSONDecodeError at")
+
+
+def test_a_command_that_fails_with_a_sentence_alone_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert through_a_door(lambda: os.write(2, b"fsm-calib: no.\n") and 2, monkeypatch) == ("refused", "no.")
+    assert through_a_door(lambda: 2, monkeypatch)[0] == "finding"
 
 
 def fragile(folder: Path) -> None:

@@ -147,13 +147,22 @@ def test_the_spread_of_a_gap_is_that_of_a_sum_of_as_many_blocks_that_vary_alike(
     assert gap_between(SimpleNamespace(count=9), first, second).spread == pytest.approx(expected)
 
 
-def test_blocks_are_seconds_since_a_recording_began(monkeypatch):
+def sums_of(monkeypatch, scored):
+    """Return the sums of blocks of a recording of 3.1 s with four rows, whose densities are 1, 2, 4 and 8."""
     monkeypatch.setattr(gap, "log_density", lambda residual, log_scale, nu: residual)
-    prepared = SimpleNamespace(time=np.array([100.5, 101.0, 101.6, 103.6]), scored=np.full((4, 1), True))
+    prepared = SimpleNamespace(time=np.array([100.5, 101.0, 101.6, 103.6]), scored=np.array(scored)[:, None])
+    densities = np.array([1.0, 2.0, 4.0, 8.0])[scored]
     whitener = SimpleNamespace(prepared=prepared, residual=lambda simulated: simulated, log_scale=0.0)
     engine = SimpleNamespace(whiteners=lambda noise: (whitener,), nu=4.0)
-    fit = SimpleNamespace(noise=None, simulated=(np.array([1.0, 2.0, 4.0, 8.0]),))
-    assert block_sums(engine, fit).tolist() == [3.0, 4.0, 0.0, 8.0]
+    return block_sums(engine, SimpleNamespace(noise=None, simulated=(densities,))).tolist()
+
+
+def test_blocks_are_seconds_since_a_recording_began(monkeypatch):
+    assert sums_of(monkeypatch, [True] * 4) == [3.0, 4.0, 0.0, 8.0]
+
+
+def test_seconds_at_the_end_in_which_nothing_is_scored_are_blocks_too(monkeypatch):
+    assert sums_of(monkeypatch, [True, True, True, False]) == [3.0, 4.0, 0.0, 0.0]
 
 
 def test_a_true_effect_is_one_law_in_all_drives(tilted):

@@ -90,6 +90,12 @@ def test_truncated_bag_is_refused(tmp_path):
         read_recording(path)
 
 
+def test_what_a_bags_reader_says_ends_with_one_full_stop(tmp_path):
+    (tmp_path / "drive.bag").write_bytes(b"no bag")
+    with pytest.raises(InputError, match=r"cut short: [^.]*[^. ]\. Record it again"):
+        read_recording(tmp_path / "drive.bag")
+
+
 def test_truncated_mcap_is_refused(tmp_path):
     file = next(write_bag(every_channel(), tmp_path / "drive").glob("*.mcap"))
     file.write_bytes(file.read_bytes()[:-3000])

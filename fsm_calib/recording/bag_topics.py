@@ -48,8 +48,9 @@ def read_topics(path: Path) -> tuple[dict[str, Topic], list[Finding]]:
                 for name, parent, part in _parts(connection.topic, kind, message):
                     rows[name, kind, parent].append((_header_stamp(part), recorded, part))
     except Exception as error:  # a damaged bag can fail anywhere inside its reader
+        said = " ".join(str(error).split())[:200].rstrip(".") or type(error).__name__
         raise InputError(
-            f"the bag is damaged or cut short: {' '.join(str(error).split())[:200] or type(error).__name__}",
+            f"the bag is damaged or cut short: {said}",
             where=f"{path}:1",
             cure="Record it again, or repair it with: rosbag reindex",
         ) from error
