@@ -17,6 +17,8 @@ class Case:
     rng: random.Random
     reference: Callable[..., Path]
     """The directory of an undisturbed run of a scenario and seed; `pictures=False`: of its journal and result alone."""
+    only: str = ""
+    """The one scenario that kills take; otherwise it is drawn."""
     plan: dict[str, Any] = field(default_factory=dict)
 
     def choose(self, **given: Any) -> None:

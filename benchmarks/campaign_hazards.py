@@ -119,7 +119,7 @@ def moment_of(case: Case, reference: Path) -> tuple[int, float]:
 
 def kill(case: Case) -> None:
     """Kill one to three times at random moments, resume, and demand the files and the end of a run left alone."""
-    name, seed = case.rng.choice(KILLED), case.rng.randrange(3)
+    name, seed = case.only or case.rng.choice(KILLED), case.rng.randrange(3)
     reference, out = case.reference(name, seed), case.folder / "out"
     file, kills = scenario_file(case.folder, name, seed), case.rng.choice((1, 1, 1, 2, 3))
     moments = sorted(moment_of(case, reference) for _ in range(kills))

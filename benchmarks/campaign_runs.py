@@ -35,14 +35,14 @@ sys.path.insert(0, str(Path(__file__).parent))
 from campaign import options_of
 from campaign_case import Case, Wrong
 from campaign_children import Hang, command, started
-from campaign_hazards import HAZARDS, code_of, scenario_file
+from campaign_hazards import HAZARDS, KILLED, code_of, scenario_file
 
 
 class Campaign:
     """The cases of one seed, as far as they have been judged."""
 
-    def __init__(self, out: Path, seed: int) -> None:
-        self.out, self.seed = out, seed
+    def __init__(self, out: Path, seed: int, only: str = "") -> None:
+        self.out, self.seed, self.only = out, seed, only
         out.mkdir(parents=True, exist_ok=True)
         self._path = out / "cases.jsonl"
         lines = self._path.read_text().splitlines(keepends=True) if self._path.exists() else []
@@ -69,7 +69,7 @@ class Campaign:
         """Return the row of one case; its folder stays where it was not right."""
         began = time.monotonic()
         folder = Path(tempfile.mkdtemp(prefix="campaign-"))
-        case = Case(folder, random.Random(f"{self.seed}/{kind}/{number}"), self.reference)
+        case = Case(folder, random.Random(f"{self.seed}/{kind}/{number}"), self.reference, self.only)
         try:
             HAZARDS[kind](case)
             found = ""
@@ -146,8 +146,9 @@ def main() -> int:
     parser = options_of(__doc__, HAZARDS, Path("out/campaign-runs"))
     parser.add_argument("--cases", type=int, default=200, help="of each kind")
     parser.add_argument("--case", type=int, help="this one alone, again")
+    parser.add_argument("--scenario", choices=sorted(set(KILLED)), default="", help="the one that is killed")
     options = parser.parse_args()
-    campaign, kinds = Campaign(options.out, options.seed), options.kind or list(HAZARDS)
+    campaign, kinds = Campaign(options.out, options.seed, options.scenario), options.kind or list(HAZARDS)
     warm()
     if options.case is not None:
         row = campaign.judge(kinds[0], options.case)
