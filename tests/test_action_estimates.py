@@ -237,14 +237,15 @@ def test_all_drives_together_find_the_ratio_that_each_drive_halves():
     assert combined_ratio(bench).ratio == pytest.approx(true_ratio, abs=6e-4)
 
 
-def lane_bench(mismatch: float, drives: int = 5, seed: int = 0) -> Bench:
+def lane_bench(mismatch: float | tuple[float, ...], drives: int = 5, seed: int = 0) -> Bench:
     """A bench after `drives` of 0.15 m in a marked lane, squared up again by hand after each."""
+    of_each = mismatch if isinstance(mismatch, tuple) else (mismatch,) * drives
     rng = np.random.default_rng(seed)
     markers = {
         400 + n: Pose2(0.25 + 0.15 * n, 0.0, rng.normal(0, math.radians(0.3))) for n in range(drives + 4)
     }
     bench = bench_with()
-    for n in range(drives):
+    for n, mismatch in enumerate(of_each):
         start = Pose2(0.15 * n, 0.0, rng.normal(0.0, 0.02))
         end = start.then(Pose2(0.15, 0.0, mismatch * 0.15 / 0.1))
         bench.notebook.lane_readings += [reading_from(start, markers, rng), reading_from(end, markers, rng)]
@@ -269,6 +270,14 @@ def test_measurements_that_scatter_are_not_applied():
     bench.notebook.lane_readings += half.notebook.lane_readings
     bench.notebook.lane_runs += half.notebook.lane_runs
     assert judge_refinement(bench).trigger == "ratio_kept"
+
+
+def test_what_drives_scatter_is_part_of_the_error_of_their_mean():
+    calm, wild = lane_bench(0.009), lane_bench((0.0, 0.018, 0.0, 0.018, 0.009))
+    assert judge(wild).correction == pytest.approx(judge(calm).correction, abs=1e-4)
+    least = calm.settings.ratio.run_scatter / math.sqrt(5 * 0.15) * math.sqrt(4 / (4 + 5 - 1))
+    assert least < judge(calm).error < judge(wild).error / 1.3
+    assert judge_refinement(wild).trigger == "ratio_kept"
 
 
 def test_too_few_measurements_are_not_applied():

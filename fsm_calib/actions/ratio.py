@@ -107,11 +107,18 @@ def combined_ratio(bench: Bench) -> Combined:
         weight = 1.0 / (sd**2 + scatter / distance)
         values = corrected(ratio, residual / _loop_gain(ratio, residual, weight))
         mean = float(np.average(values, weights=weight))
-        excess = float(np.sum(distance * ((values - mean) ** 2 - sd**2)))
-        scatter = (_SCATTER_PRIOR * settings.run_scatter**2 + max(excess, 0.0)) / (
-            _SCATTER_PRIOR + len(values) - 1
-        )
+        scatter = drive_scatter(values - mean, sd, distance, settings.run_scatter)
     return Combined(mean, float(np.sqrt(1.0 / weight.sum())))
+
+
+def drive_scatter(apart: FloatArray, sd: FloatArray, distance: FloatArray, prior: float) -> float:
+    """Return q^2, the variance of k over 1 m that the drives themselves make [m]: wheels never repeat one exactly.
+
+    What the drives lie `apart` from their mean [1] beyond the headings' `sd` [1], over their distances [m]; it begins
+    at `prior`^2, which counts for some drives.
+    """
+    excess = float(np.sum(distance * (apart**2 - sd**2)))
+    return (_SCATTER_PRIOR * prior**2 + max(excess, 0.0)) / (_SCATTER_PRIOR + len(apart) - 1)
 
 
 def corrected(ratio: FloatArray, residual: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from fsm_calib.actions.leaving import speed_of
 from fsm_calib.actions.markers import MARKER_MISSED, read_markers
 from fsm_calib.actions.moving import drive
 from fsm_calib.actions.notebook import WheelRun
-from fsm_calib.actions.ratio import adjusted, corrected
+from fsm_calib.actions.ratio import adjusted, corrected, drive_scatter
 from fsm_calib.actions.wheel_runs import driven
 from fsm_calib.outcome import Outcome
 
@@ -81,20 +81,23 @@ def judge(bench: Bench) -> Judgement:
     """Return what the drives of the marked section say together.
 
     k - k_in_use = -L sum(turned) / sum(s): the sum weighs long drives more, and the markers' own orientation
-    errors cancel between neighbours. Its error follows from the covariance of all headings.
+    errors cancel between neighbours. Its error has two parts, as that of `combined_ratio`: the headings', from the
+    covariance of all, and the drives' own, q / sqrt(sum(s)), without which six short drives seem to tell more than
+    wheels repeat.
     """
     notebook = bench.notebook
     count = len(notebook.lane_runs)
     if count == 0:
         return Judgement(0.0, float("inf"), 0.0, 0)
     headings = adjusted(bench, notebook.lane_readings)
-    pick = np.tile([-1.0, 1.0], count)
-    scale = bench.settings.ratio.axle_length / sum(run.distance for run in notebook.lane_runs)
-    turned = (headings.theta * pick).reshape(count, 2).sum(axis=1)
-    single = (
-        -turned * bench.settings.ratio.axle_length / np.array([run.distance for run in notebook.lane_runs])
-    )
-    error = float(np.sqrt(pick @ headings.covariance @ pick)) * scale
+    distance = np.array([run.distance for run in notebook.lane_runs])
+    pick, length = np.kron(np.eye(count), [-1.0, 1.0]), bench.settings.ratio.axle_length
+    turned, total = pick @ headings.theta, float(distance.sum())
+    single, mean = -turned * length / distance, -float(turned.sum()) * length / total
+    covariance = pick @ headings.covariance @ pick.T
+    sd = np.sqrt(np.diag(covariance)) * length / distance
+    own = drive_scatter(single - mean, sd, distance, bench.settings.ratio.run_scatter) / total
+    error = float(np.sqrt(covariance.sum() * (length / total) ** 2 + own))
     ratio = notebook.lane_runs[-1].wheel_ratio
-    correction = float(corrected(np.array(ratio), np.array(-turned.sum() * scale))) - ratio
+    correction = float(corrected(np.array(ratio), np.array(mean))) - ratio
     return Judgement(correction, ratio * error, float(np.std(single)), count)

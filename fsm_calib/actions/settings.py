@@ -201,7 +201,7 @@ class LaneSettings:
     take_within: float = 0.36
     marker_pitch: float = 0.15
     change: float = 0.0075
-    significance: float = 3.0
+    significance: float = 4.0
     largest_scatter: float = 0.012
     least_readings: int = 3
 
