@@ -3,8 +3,8 @@
     python3 benchmarks/investigate_sets.py [--robots 20] [--seed 1] [--out out/investigate_sets.jsonl]
 
 Half of the robots hide one effect of a set that laps on a closed track do not tell apart (`SETS`), each member in turn, of half
-to all of its typical size; told apart means that the answer is that effect alone. The other half hide a delay of
-commands or of poses, which are one without encoders: each must end by itself, name the delays as a set, and say what would
+to all of its typical size; told apart means that the answer is that effect alone. The other half hide a plain delay of
+commands or of poses (no smoothing, by which they differ), which are one without encoders: each must end by itself, name the delays as a set, and say what would
 tell them apart. Robots, tracker and budget as in `investigate.py`. A call goes on where the one before ended.
 """
 
@@ -51,6 +51,7 @@ def robot(number: int, seed: int) -> Scenario:
     effect = {
         p.name: p.null + share * (p.typical - p.null) if p.strength else p.typical
         for p in registry()[name].parameters
+        if name not in DELAYS or p.name == "delay"
     }
     return Scenario.model_validate(
         {
