@@ -163,6 +163,13 @@ def test_robot_of_which_nothing_tells_where_it_is_is_refused_before_it_is_connec
     refuse_blind(blind, Before(calibration=tmp_path))
 
 
+def test_investigation_that_was_killed_after_its_last_event_writes_its_answer(finished, tmp_path):
+    shutil.copytree(finished[2], tmp_path / "old")
+    (tmp_path / "old" / "investigation.json").unlink()
+    _, again = investigate(HIDDEN, tmp_path / "old", resume=True)
+    assert untimed(again) == untimed(finished[1])
+
+
 def test_investigation_is_not_taken_up_with_other_recordings(finished, tmp_path):
     shutil.copytree(finished[2], tmp_path / "old")
     drive = finished[0].mind.recordings(finished[0].bench)[0]

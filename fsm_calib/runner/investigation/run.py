@@ -87,6 +87,7 @@ def _investigated(
         finally:
             going.run.journal.close()
             going.connection.close()
+    going.mind.recall(going.bench)
     result = result_of(going, time.perf_counter() - began)
     write_atomically(directory / RESULT, (json.dumps(result, indent=1) + "\n").encode())
     for number, recording in enumerate(going.mind.recordings(going.bench)[len(before.recordings) :], 1):

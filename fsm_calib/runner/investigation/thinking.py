@@ -101,6 +101,12 @@ class Mind:
         evidence = {"verdict": said, "leader": belief.leader.label, "sureness": belief.sureness}
         return Outcome("diagnosed", evidence, f"{said}: {belief.leader.label}, {belief.sureness:.0%} sure.")
 
+    def recall(self, bench: InvestigationBench) -> None:
+        """Think again what was thought of the drives before a run that had ended was taken up, to write it down."""
+        drives = bench.findings.drives
+        if self.diagnosis is None and drives and drives[-1].reached is not None:
+            self._believed(bench)
+
     def judge_answer(self, bench: InvestigationBench) -> Outcome:
         """Compare sureness and what was spent with what was asked for."""
         asked, findings, belief = bench.asked, bench.findings, self._believed(bench)
