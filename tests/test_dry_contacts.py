@@ -80,9 +80,3 @@ def test_the_slowed_speed_solves_its_equation(free, creep):
         assert x == pytest.approx(math.copysign(max(abs(free) - reach, 0.0), free))
     else:
         assert x + reach * x / math.hypot(x, creep) == pytest.approx(free, abs=1e-8)
-
-
-def test_tyres_that_spin_slip_more_easily():
-    plain = driven(-0.3, 0.3, tyre_scrub__moment=0.05)
-    spinning = driven(-0.3, 0.3, tyre_scrub__moment=0.05, tyre_scrub__spin=0.1)
-    assert spinning[-1, 2] < 0.95 * plain[-1, 2]
