@@ -65,12 +65,6 @@ def test_a_caster_drags_against_the_motion_of_its_pivot():
     assert poses[-1, 2] < driven(-0.3, 0.3)[-1, 2]
 
 
-def test_two_rough_sides_hold_the_robot_together():
-    rough = dict(rough_floor_patch__drag=3.0, rough_floor_patch__x=0.0, rough_floor_patch__y=0.0)
-    poses = driven(0.02, -0.02, **rough)
-    assert np.abs(poses[-1]).max() < 1e-9
-
-
 @pytest.mark.parametrize("creep", [0.0, 1e-3, 0.2])
 @pytest.mark.parametrize("free", [-3.0, -0.01, 0.004, 0.5])
 def test_the_slowed_speed_solves_its_equation(free, creep):

@@ -74,7 +74,7 @@ def test_a_constant_that_a_hook_takes_from_elsewhere_is_part_of_the_program(clea
     add_effects([STICKY])
     before = woven_source()
     module = sys.modules[registry()["sticky_spot"].hooks["step"].__module__]
-    monkeypatch.setattr(module, "OMEGA", 23)
+    monkeypatch.setattr(module, "MASS", 23)
     assert woven_source() != before
 
 

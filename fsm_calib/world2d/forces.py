@@ -4,11 +4,16 @@ dry friction.
 
 from __future__ import annotations
 
+import math
+
 from numba import njit
 
 from fsm_calib.world2d.arithmetic import ARITHMETIC
 from fsm_calib.world2d.dry_contacts import ANY_WAY, add_contact
-from fsm_calib.world2d.slots import DAMP, FORCE_X, FORCE_Y, MOMENT
+from fsm_calib.world2d.slots import CREEP_SPEED, DAMP, FORCE_X, FORCE_Y, MOMENT, STEP
+
+STEPS_TO_STOP = 4.0
+"""Steps within which dry friction of a place could stop a motion for it to be treated as a damper."""
 
 
 @njit(**ARITHMETIC, forceinline=True)
@@ -44,12 +49,6 @@ def add_oblique_damper(W, px, py, dx, dy, k):
 
 
 @njit(**ARITHMETIC)
-def add_dry_contact(W, px, py, dx, dy, size):
-    """Add dry friction of `size` [N] at the point (px, py) [m] of `base`, along the unit vector (dx, dy) alone."""
-    add_contact(W, size, dx, dy, px * dy - py * dx, 0.0)
-
-
-@njit(**ARITHMETIC)
 def add_dry_point(W, px, py, size):
     """Add dry friction of `size` [N] at the point (px, py) [m] of `base`, against whatever way it slides."""
     add_contact(W, size, px, py, 0.0, ANY_WAY)
@@ -63,5 +62,15 @@ def add_dry_moment(W, size, rate):
 
 @njit(**ARITHMETIC)
 def add_dry_friction(W, px, py, dx, dy, speed, size, inertia):
-    """As `add_dry_contact`, for effects that were written before it: speed and inertia are not asked any more."""
-    add_dry_contact(W, px, py, dx, dy, size)
+    """Add dry friction of `size` [N] at the point (px, py) [m] of `base` against `speed` [m/s] along the unit
+    vector (dx, dy), as a place on the floor has it.
+
+    A constant force while it cannot stop the motion within a few steps (second order), else a stiff damper: it creeps
+    and lets go softly, so that a fit finds its way to places that hold the robot; `inertia` [kg] is the mass that it
+    brakes, at least.
+    """
+    k = size / math.sqrt(speed * speed + CREEP_SPEED * CREEP_SPEED)
+    if abs(speed) * inertia > STEPS_TO_STOP * W[STEP] * size:
+        add_force(W, -k * speed * dx, -k * speed * dy, -k * speed * (px * dy - py * dx))
+    else:
+        add_oblique_damper(W, px, py, dx, dy, k)

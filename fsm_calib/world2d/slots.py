@@ -97,5 +97,8 @@ CASTER_ARM = 0.083
 SMALL_AXLE = 0.3
 """Axle length up to which a robot is a small one [m] (Duckiebot 0.1, Create 0.26): what is longer on a larger one grows
 with its axle from here on."""
+CREEP_SPEED = 1e-3
+"""Speed below which dry friction of a place acts like a stiff damper [m/s]: a fifth of what tag poses can see in
+1 s."""
 EDGE = 0.01
 """Softness of the edges of places on the floor [m]: half the width of a wheel's contact (assumed)."""

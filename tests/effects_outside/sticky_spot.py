@@ -12,8 +12,8 @@ from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.effects.places import centre_parameters, contact_arm, contact_place, in_disc
-from fsm_calib.world2d.forces import add_dry_contact
-from fsm_calib.world2d.slots import OMEGA, V
+from fsm_calib.world2d.forces import add_dry_friction
+from fsm_calib.world2d.slots import MASS, OMEGA, V
 
 
 @njit(error_model="numpy")
@@ -24,7 +24,7 @@ def stick(P, o, S, m, W):
         x, y = contact_place(W, arm)
         speed = S[V] - arm * S[OMEGA]
         pull = P[o] * in_disc(x, y, P[o + 1], P[o + 2], P[o + 3]) / (1.0 + abs(speed) / P[o + 4])
-        add_dry_contact(W, 0.0, arm, 1.0, 0.0, pull)
+        add_dry_friction(W, 0.0, arm, 1.0, 0.0, speed, pull, 0.5 * W[MASS])
 
 
 EFFECT = Effect(

@@ -16,8 +16,8 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.forces import add_dry_contact, add_force
-from fsm_calib.world2d.slots import COS, SIN, V
+from fsm_calib.world2d.forces import add_dry_friction, add_force
+from fsm_calib.world2d.slots import COS, MASS, SIN, V
 
 BENT_SPEED = 0.01  # m/s, above which a pile resists in full
 
@@ -28,7 +28,7 @@ def resist(P, o, S, m, W):
     bent = S[V] / math.sqrt(S[V] * S[V] + BENT_SPEED * BENT_SPEED)
     ease = (W[COS] * P[o] + W[SIN] * P[o + 1]) * bent
     drag = max(math.hypot(P[o], P[o + 1]) - ease, 0.0)
-    add_dry_contact(W, 0.0, 0.0, 1.0, 0.0, drag * abs(bent))
+    add_dry_friction(W, 0.0, 0.0, 1.0, 0.0, S[V], drag * abs(bent), W[MASS])
     pull_x, pull_y = P[o + 2] * bent * bent, P[o + 3] * bent * bent
     add_force(W, W[COS] * pull_x + W[SIN] * pull_y, W[COS] * pull_y - W[SIN] * pull_x, 0.0)
 

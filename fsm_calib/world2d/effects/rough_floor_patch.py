@@ -20,7 +20,8 @@ from fsm_calib.world2d.effects.places import (
     in_area,
     spread_parameter,
 )
-from fsm_calib.world2d.forces import add_dry_contact
+from fsm_calib.world2d.forces import add_dry_friction
+from fsm_calib.world2d.slots import MASS, OMEGA, V
 
 SPOT_DOUBT = 0.03  # m: drag at a wheel stands for drag anywhere under the robot (20 concealed spots)
 
@@ -31,8 +32,9 @@ def resist(P, o, S, m, W):
     for side in range(2):
         arm = contact_arm(W, side, P[o + 5])
         x, y = contact_place(W, arm)
+        speed = S[V] - arm * S[OMEGA]
         drag = P[o] * in_area(x, y, P[o + 1], P[o + 2], P[o + 3], P[o + 4], P[o + 6])
-        add_dry_contact(W, 0.0, arm, 1.0, 0.0, drag)
+        add_dry_friction(W, 0.0, arm, 1.0, 0.0, speed, drag, 0.5 * W[MASS])
 
 
 EFFECT = Effect(
