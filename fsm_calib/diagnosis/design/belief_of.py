@@ -1,7 +1,8 @@
 """From a diagnosis to a belief: the one place where the designer looks into a decision.
 
-Odds follow from the diagnosis' evidence by one law (`odds`). Where it detected nothing, every effect may still hide, at
-sizes that matter, as far as the drives allow (`unseen`). Events happen once; in a new drive they change nothing.
+Odds follow from the diagnosis' evidence by one law (`odds`). Where it detected nothing, or what is missing has no name,
+every effect that won no evidence may still hide, at sizes that matter, as far as the drives allow (`unseen`). Events
+happen once; in a new drive they change nothing.
 """
 
 from __future__ import annotations
@@ -57,6 +58,12 @@ def belief_of(decision: Decision, most: int = MOST) -> Belief:
     weighed = [(0.0, _nothing(base)), *_singles(decision, len(lasting)), *_pairs(decision, len(lasting))]
     if decision.outcome == "match":
         weighed = [(0.0, _nothing(base)), *_places(decision, len(lasting)), *_hidden(decision, lasting)]
+    elif decision.outcome == "unexplained":
+        led = {
+            name for _, h in weighed for name in h.names if h.room <= 0.0
+        }  # what won as much as a name must
+        weighed = [w for w in weighed if led.issuperset(w[1].names)]
+        weighed += _hidden(decision, [e for e in lasting if e.name not in led])
     top = max(odds for odds, _ in weighed)
     everything = [replace(h, probability=math.exp(odds - top)) for odds, h in weighed]
     hypotheses = kept(everything, most)
