@@ -25,6 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from concealed.drives import make_drive
 from engine.generate import draw_robot, likeness
 from engine.world import Robot
+from kept_rows import kept_rows
 
 from fsm_calib.diagnosis.against import Against, diagnose_against
 from fsm_calib.diagnosis.around import Around, around, simulated_recordings
@@ -169,7 +170,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("out/against_simulators.jsonl"))
     given = parser.parse_args()
     given.out.parent.mkdir(parents=True, exist_ok=True)
-    rows = [json.loads(line) for line in given.out.read_text().splitlines()] if given.out.exists() else []
+    rows = kept_rows(given.out)
     there = {(row["engine"], row["pair"], row["seed"]) for row in rows}
     for pair in given.pairs.split(","):
         if (given.engine, pair, given.seed) in there:

@@ -25,6 +25,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kept_rows import kept_rows
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from ros_rig import answers, free_port, until
@@ -247,7 +248,7 @@ def main() -> None:
     parser.add_argument("--print", action="store_true", dest="is_only_printed")
     given = parser.parse_args()
     given.out.parent.mkdir(parents=True, exist_ok=True)
-    rows = [json.loads(line) for line in given.out.read_text().splitlines()] if given.out.exists() else []
+    rows = kept_rows(given.out)
     known = {(row["seed"], row["phase"], row["failure"]) for row in rows}
     for seed in range(1, given.seeds + 1):
         for phase in PHASES:

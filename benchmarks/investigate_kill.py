@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 from investigate import drawn, robot
+from kept_rows import kept_rows
 
 TIMES = ("seconds", "seconds_by_part")
 LATER = 1.0
@@ -98,7 +99,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/investigate_kill.jsonl"))
     asked = parser.parse_args()
     asked.out.parent.mkdir(parents=True, exist_ok=True)
-    rows = [json.loads(line) for line in asked.out.read_text().splitlines()] if asked.out.exists() else []
+    rows = kept_rows(asked.out)
     for number in range(asked.robots):
         if number in [row["robot"] for row in rows]:
             continue

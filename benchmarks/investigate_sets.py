@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from investigate import drive_names
+from kept_rows import kept_rows
 
 from fsm_calib.runner.investigation.run import investigate
 from fsm_calib.scenario.models import Scenario
@@ -122,7 +123,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/investigate_sets.jsonl"))
     asked = parser.parse_args()
     asked.out.parent.mkdir(parents=True, exist_ok=True)
-    rows = [json.loads(line) for line in asked.out.read_text().splitlines()] if asked.out.exists() else []
+    rows = kept_rows(asked.out)
     with asked.out.open("a") as file:
         for number in sorted(set(range(asked.robots)) - {row["robot"] for row in rows}):
             rows.append(one(number, asked.seed))

@@ -19,6 +19,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from kept_rows import kept_rows
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from ros_rig import until
@@ -124,7 +125,7 @@ def main() -> None:
     )
     given = parser.parse_args()
     given.out.parent.mkdir(parents=True, exist_ok=True)
-    rows = [json.loads(line) for line in given.out.read_text().splitlines()] if given.out.exists() else []
+    rows = kept_rows(given.out)
     master = Master().url
     for seed in range(given.first, given.first + given.robots):
         if seed in [row["seed"] for row in rows]:

@@ -20,6 +20,7 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+from kept_rows import kept_rows
 
 from fsm_calib.study.store import result_of_row
 
@@ -51,8 +52,7 @@ def workers_of(process: subprocess.Popen) -> list[int]:
 
 
 def rows_in(out: Path) -> list[dict]:
-    path = out / "results.jsonl"
-    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    return kept_rows(out / "results.jsonl")
 
 
 def as_text(rows: list[dict]) -> list[str]:
