@@ -13,11 +13,12 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError,
 
 from fsm_calib.errors import InputError, ManyErrors, nearest_names
 from fsm_calib.recording.channels import Stamp
+from fsm_calib.recording.recording import LARGEST_FACT
 from fsm_calib.recording.yaml_places import KEY, PlacedYaml
 
 FORMAT = "fsm-calib/recording@1"
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-Fact = Annotated[float, Field(gt=1e-9, lt=1e6, allow_inf_nan=False)]
+Fact = Annotated[float, Field(gt=1e-9, lt=LARGEST_FACT, allow_inf_nan=False)]
 """A robot's size, rate or step in SI units: far beyond any robot at both ends, and no number overflows later."""
 Name = Annotated[str, Field(min_length=1, max_length=200)]
 

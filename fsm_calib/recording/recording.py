@@ -31,6 +31,8 @@ CHANNELS = (
     "displacement",
     "state",
 )
+LARGEST_FACT = 1e6
+"""What sizes, rates and masses stay below, in SI units: far beyond any robot, and no number overflows later."""
 GAP_FACTOR = (
     3.0  # a gap is an interval this many times longer than the median one (a person's eye for a hole)
 )

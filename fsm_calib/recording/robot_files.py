@@ -14,10 +14,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fsm_calib.errors import InputError
-from fsm_calib.recording.recording import RobotFacts
+from fsm_calib.recording.recording import LARGEST_FACT, RobotFacts
 
 LARGEST_FILE = 5_000_000  # bytes; descriptions have some ten thousand, meshes lie beside them
-LARGEST_NUMBER = 1e6  # m, kg or kg m2, as in a manifest: far beyond any robot, and no number overflows later
 SEPARATION = ("wheel_separation", "wheelSeparation", "wheel_track")
 RADIUS = ("wheel_radius", "wheelRadius")
 DIAMETER = ("wheel_diameter", "wheelDiameter")
@@ -93,8 +92,8 @@ def _parsed(path: Path) -> ElementTree.Element:
 
 def _number(text: str) -> float:
     value = float(text)
-    if not abs(value) < LARGEST_NUMBER:
-        raise ValueError(f"{text!r}, and no robot has {LARGEST_NUMBER:g} m or kg")
+    if not abs(value) < LARGEST_FACT:
+        raise ValueError(f"{text!r}, and no robot has {LARGEST_FACT:g} m or kg")
     return value
 
 
