@@ -9,7 +9,7 @@ from test_floor_pose import CAMERA, DRAWN, MOUNT, seen_from
 
 from fsm_calib.perception.floor_map import adjusted_poses
 from fsm_calib.perception.floor_pose import floor_pose
-from fsm_calib.runner.investigation.levelled import levelled
+from fsm_calib.perception.levelled import levelled
 from fsm_calib.types import Pose2
 
 SIZE = 0.065

@@ -19,6 +19,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from fsm_calib.perception.floor_pose import PLACED_SD, corners_on_map
+from fsm_calib.perception.plane import as_complex, sum_by_group
 from fsm_calib.types import FloatArray, Pose2
 
 SeenTag = tuple[int, float, float, float, float]
@@ -41,7 +42,7 @@ def adjusted_poses(
     table = np.array([seen[1:] for frame in frames for seen in frame]).reshape(-1, 4)
     p = _corners(table[:, 0] + 1j * table[:, 1], table[:, 2], size)
     weight = 1.0 / (table[:, 3] ** 2 + (0.3 * PLACED_SD) ** 2)
-    nominal = np.array([_complex(corners_on_map(drawn[number], size)) for number in numbers])
+    nominal = np.array([as_complex(corners_on_map(drawn[number], size)) for number in numbers])
     square = nominal - nominal.mean(axis=1, keepdims=True)
     lying = nominal.copy()
     for _ in range(ROUNDS):
@@ -55,7 +56,7 @@ def adjusted_poses(
 
 def _corners(centre: np.ndarray, heading: FloatArray, size: float) -> np.ndarray:
     """Return corners (s, 4) of tags at centres (s,) with headings (s,), as complex numbers."""
-    square = _complex(corners_on_map(Pose2(), size))
+    square = as_complex(corners_on_map(Pose2(), size))
     return np.asarray(centre[:, None] + np.exp(1j * heading)[:, None] * square)
 
 
@@ -64,9 +65,9 @@ def _groups(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return for every group the turn and the shift (count,) that lay its corners p (s, 4) on q."""
     total = 4.0 * np.bincount(group, weight, count)
-    mean_p, mean_q = (_sum(weight * z.sum(axis=1), group, count) / total for z in (p, q))
+    mean_p, mean_q = (sum_by_group(weight * z.sum(axis=1), group, count) / total for z in (p, q))
     across = np.conj(p - mean_p[group, None]) * (q - mean_q[group, None])
-    sway = _sum(weight * across.sum(axis=1), group, count)
+    sway = sum_by_group(weight * across.sum(axis=1), group, count)
     turn = sway / np.maximum(np.abs(sway), 1e-300)
     return turn, mean_q - turn * mean_p
 
@@ -77,22 +78,14 @@ def _laid(
     """Return the corners (k, 4) of the tags as frames tell them (s, 4), held by the drawing; squares stay squares."""
     count, hold = len(nominal), PLACED_SD**-2
     total = np.bincount(of_tag, weight, count) + hold
-    summed = np.column_stack([_sum(weight * told[:, i], of_tag, count) for i in range(4)])
+    summed = np.column_stack([sum_by_group(weight * told[:, i], of_tag, count) for i in range(4)])
     mean = (summed + hold * nominal) / total[:, None]
     middle = mean.mean(axis=1, keepdims=True)
     sway = np.sum(np.conj(square) * (mean - middle), axis=1, keepdims=True)
     return np.asarray(middle + sway / np.maximum(np.abs(sway), 1e-300) * square)
 
 
-def _sum(values: np.ndarray, group: np.ndarray, count: int) -> np.ndarray:
-    return np.asarray(np.bincount(group, values.real, count) + 1j * np.bincount(group, values.imag, count))
-
-
 def _pose_of(corners: np.ndarray, nominal: np.ndarray, drawn: Pose2) -> Pose2:
     middle = corners.mean()
     turn = np.angle(np.sum(np.conj(nominal - nominal.mean()) * (corners - middle)))
     return Pose2(float(middle.real), float(middle.imag), drawn.theta + float(turn))
-
-
-def _complex(points: FloatArray) -> np.ndarray:
-    return np.asarray(points[..., 0] + 1j * points[..., 1])

@@ -21,6 +21,7 @@ import numpy as np
 
 from fsm_calib.perception.ground import floor_points, tag_corners
 from fsm_calib.perception.lens import intrinsics_vector, project
+from fsm_calib.perception.plane import as_complex
 from fsm_calib.perception.rotations import base_from_camera
 from fsm_calib.types import CameraModel, CameraMount, FloatArray, Pose2, TagDetection
 
@@ -64,7 +65,7 @@ def floor_pose(
     near = np.isfinite(away) & (away < FARTHEST)
     if not near.any():
         return None
-    p, q = _complex(seen[near]), _complex(meant[near])
+    p, q = as_complex(seen[near]), as_complex(meant[near])
     weight = np.repeat(_weights(away[near], camera, mount), 4).reshape(-1, 4)
     turn, shift = _aligned(p, q, weight)
     kept = np.abs(q - turn * p - shift).mean(axis=1) < MOVED
@@ -82,7 +83,7 @@ def _seen(
     numbers: Sequence[int], corners: np.ndarray, weight: FloatArray, size: float
 ) -> tuple[tuple[int, float, float, float, float], ...]:
     """Return tags by the squares that lie best on their corners (k, 4) in `base`."""
-    square = _complex(tag_corners(size)[:, :2])
+    square = as_complex(tag_corners(size)[:, :2])
     middle = corners.mean(axis=1)
     heading = np.angle(np.sum(np.conj(square) * (corners - middle[:, None]), axis=1))
     spread = np.sqrt(np.maximum(1.0 / weight[:, 0] - PLACED_SD**2, 1e-12))
@@ -128,7 +129,3 @@ def _aligned(p: np.ndarray, q: np.ndarray, weight: FloatArray) -> tuple[complex,
     sway = complex((weight * np.conj(p - mean_p) * (q - mean_q)).sum())
     turn = sway / max(abs(sway), 1e-300)
     return turn, complex(mean_q - turn * mean_p)
-
-
-def _complex(points: FloatArray) -> np.ndarray:
-    return np.asarray(points[..., 0] + 1j * points[..., 1])

@@ -22,16 +22,13 @@ import numpy as np
 
 from fsm_calib.perception.floor_map import SeenTag, adjusted_poses
 from fsm_calib.perception.floor_pose import corners_on_map
+from fsm_calib.perception.plane import as_complex, sum_by_group
 from fsm_calib.types import CameraMount, FloatArray, Pose2
 
-KNOWN = (
-    0.003,
-    0.003,
-    0.01,
-)  # standard deviation of pitch and roll [rad] and of the height [1] before anything was driven
-ROUNDS = (
-    10  # the first takes half of the tilt, each further one half of what is left; the height follows slowly
-)
+KNOWN = (0.003, 0.003, 0.01)
+"""Standard deviation of pitch and roll [rad] and of the height [1] before anything was driven."""
+ROUNDS = 10
+"""The first takes half of the tilt, each further one half of what is left; the height follows slowly."""
 LAID = 0.001  # m, of a corner beside its noise, as the map weighs it
 
 Frames = Sequence[Sequence[SeenTag]]
@@ -70,7 +67,7 @@ def levelled(
 
 def _corners(table: FloatArray, size: float) -> np.ndarray:
     """Return corners (s, 4) of tags at x, y, heading, as complex numbers."""
-    square = _complex(corners_on_map(Pose2(), size))
+    square = as_complex(corners_on_map(Pose2(), size))
     return np.asarray((table[:, 0] + 1j * table[:, 1])[:, None] + np.exp(1j * table[:, 2])[:, None] * square)
 
 
@@ -84,7 +81,7 @@ def _ways(p: np.ndarray, mount: CameraMount) -> np.ndarray:
 
 def _on_map(poses: FloatArray, places: Sequence[Pose2], size: float) -> np.ndarray:
     """Return where the map has the corners (s, 4) of tags, in `base` at poses (s, 3)."""
-    lying = np.array([_complex(corners_on_map(place, size)) for place in places])
+    lying = np.array([as_complex(corners_on_map(place, size)) for place in places])
     origin = poses[:, 0] + 1j * poses[:, 1]
     return np.asarray((lying - origin[:, None]) * np.exp(-1j * poses[:, 2])[:, None])
 
@@ -92,12 +89,12 @@ def _on_map(poses: FloatArray, places: Sequence[Pose2], size: float) -> np.ndarr
 def _without_motion(columns: np.ndarray, p: np.ndarray, weight: FloatArray, frame: np.ndarray) -> np.ndarray:
     """Return columns (s, 4, m) less what a small motion of the robot in each frame does to points (s, 4)."""
     total = 4.0 * np.bincount(frame, weight)
-    arm = 1j * (p - (_sum(weight * p.sum(axis=1), frame) / total)[frame, None])
+    arm = 1j * (p - (sum_by_group(weight * p.sum(axis=1), frame) / total)[frame, None])
     turning = np.bincount(frame, weight * (np.abs(arm) ** 2).sum(axis=1))
     out = np.empty_like(columns)
     for k in range(columns.shape[-1]):
         column = columns[..., k]
-        column = column - (_sum(weight * column.sum(axis=1), frame) / total)[frame, None]
+        column = column - (sum_by_group(weight * column.sum(axis=1), frame) / total)[frame, None]
         turned = np.bincount(frame, weight * (np.conj(arm) * column).real.sum(axis=1)) / turning
         out[..., k] = column - turned[frame, None] * arm
     return out
@@ -112,7 +109,7 @@ def _fitted(ways: np.ndarray, left: np.ndarray, weight: FloatArray) -> FloatArra
 
 def _squares(corners: np.ndarray, spread: FloatArray, size: float) -> FloatArray:
     """Return x, y, heading and spread (s, 4) of the squares that lie best on corners (s, 4)."""
-    square, middle = _complex(corners_on_map(Pose2(), size)), corners.mean(axis=1)
+    square, middle = as_complex(corners_on_map(Pose2(), size)), corners.mean(axis=1)
     heading = np.angle(np.sum(np.conj(square) * (corners - middle[:, None]), axis=1))
     return np.column_stack([middle.real, middle.imag, heading, spread])
 
@@ -120,11 +117,3 @@ def _squares(corners: np.ndarray, spread: FloatArray, size: float) -> FloatArray
 def _as_frames(numbers: Sequence[Sequence[int]], table: FloatArray) -> list[tuple[SeenTag, ...]]:
     rows = iter(table.tolist())
     return [tuple((n, *next(rows)) for n in row) for row in numbers]
-
-
-def _sum(values: np.ndarray, group: np.ndarray) -> np.ndarray:
-    return np.asarray(np.bincount(group, values.real) + 1j * np.bincount(group, values.imag))
-
-
-def _complex(points: FloatArray) -> np.ndarray:
-    return np.asarray(points[..., 0] + 1j * points[..., 1])

@@ -19,7 +19,7 @@ from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.errors import InputError
 from fsm_calib.perception.floor_map import adjusted_poses
 from fsm_calib.perception.floor_pose import view_on_floor
-from fsm_calib.runner.investigation.levelled import levelled
+from fsm_calib.perception.levelled import levelled
 from fsm_calib.types import CameraMount, Pose2
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.scene import SceneSpec
