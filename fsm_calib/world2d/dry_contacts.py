@@ -23,12 +23,11 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.arithmetic import ARITHMETIC
-from fsm_calib.world2d.slots import CONTACT, CONTACTS, INVERSE, MOST_CONTACTS, STEP
+from fsm_calib.world2d.slots import CONTACT, CONTACT_SIZE, CONTACTS, INVERSE, MOST_CONTACTS, STEP
 
 FORCE, ALONG_V, ALONG_L, ALONG_OMEGA, CREEP, IMPULSE, ACROSS = 0, 1, 2, 3, 4, 5, 6
 """What is kept of a contact: F, its row J, c, p; a point that slides any way has its place [m] in J's first two, and
 a second impulse."""
-CONTACT_SIZE = 7
 ANY_WAY = -1.0
 """In place of a creep speed: the contact is a point that slides in any direction."""
 SWEEPS, TOLERANCE = 20, 1e-9
@@ -44,8 +43,9 @@ def add_contact(W, force, jv, jl, jw, creep):
     if force <= 0.0 or count >= MOST_CONTACTS:
         return
     at = CONTACT + count * CONTACT_SIZE
-    W[at], W[at + 1], W[at + 2], W[at + 3], W[at + 4] = force, jv, jl, jw, creep
-    W[at + 5] = W[at + 6] = 0.0
+    W[at + FORCE], W[at + CREEP] = force, creep
+    W[at + ALONG_V], W[at + ALONG_L], W[at + ALONG_OMEGA] = jv, jl, jw
+    W[at + IMPULSE] = W[at + ACROSS] = 0.0
     W[CONTACTS] = count + 1.0
 
 

@@ -85,9 +85,11 @@ SLIP_RATIO = 54
 """Slip over rolling speed at which a rolling tyre passes 1/sqrt(2) of its grip [1]."""
 INVERSE = 55
 """Inverse of the mass matrix of this step, by rows (55 to 63): change of (V, L, OMEGA) by an impulse."""
-CONTACTS, CONTACT, MOST_CONTACTS = 64, 65, 8
-"""How many dry contacts brake the body in this step, and what is kept of each (`dry_contacts`: seven numbers)."""
-BENCH_SIZE = 121
+CONTACTS, CONTACT = 64, 65
+"""How many dry contacts brake the body in this step, and what is kept of them, one after the other (`dry_contacts`)."""
+MOST_CONTACTS, CONTACT_SIZE = 8, 7
+"""How many there may be, and the numbers that are kept of each."""
+BENCH_SIZE = CONTACT + MOST_CONTACTS * CONTACT_SIZE
 
 # ---- constants of the world ----
 GRAVITY = 9.80665

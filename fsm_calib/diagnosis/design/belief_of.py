@@ -55,15 +55,7 @@ def belief_of(decision: Decision, most: int = MOST) -> Belief:
     """Return what a decision leaves us to believe of the next drive; explanations beyond `most` count as un-named."""
     base, simulator = decision.base, decision.engine.simulators[0]
     lasting = [e for e in shown_by(catalogue(), decision.engine.simulators) if not is_event(e)]
-    weighed = [(0.0, _nothing(base)), *_singles(decision, len(lasting)), *_pairs(decision, len(lasting))]
-    if decision.outcome == "match":
-        weighed = [(0.0, _nothing(base)), *_places(decision, len(lasting)), *_hidden(decision, lasting)]
-    elif decision.outcome == "unexplained":
-        led = {
-            name for _, h in weighed for name in h.names if h.room <= 0.0
-        }  # what won as much as a name must
-        weighed = [w for w in weighed if led.issuperset(w[1].names)]
-        weighed += _hidden(decision, [e for e in lasting if e.name not in led])
+    weighed = [(0.0, _nothing(base)), *_something(decision, lasting)]
     top = max(odds for odds, _ in weighed)
     everything = [replace(h, probability=math.exp(odds - top)) for odds, h in weighed]
     hypotheses = kept(everything, most)
@@ -171,6 +163,18 @@ def _steps(slots: Sequence[Slot]) -> FloatArray:
 def _nothing(base: Fit) -> Hypothesis:
     places = tuple(s.place for s in base.slots)
     return Hypothesis((), 1.0, base.values[0], places, _spread(base, base.slots, ()), _steps(base.slots))
+
+
+def _something(decision: Decision, lasting: Sequence[Effect]) -> list[Weighed]:
+    """Return the explanations by which something is missing."""
+    if decision.outcome == "match":
+        return [*_places(decision, len(lasting)), *_hidden(decision, lasting)]
+    fitted = [*_singles(decision, len(lasting)), *_pairs(decision, len(lasting))]
+    if decision.outcome == "explained":
+        return fitted
+    led = {name for _, h in fitted for name in h.names if h.room <= 0.0}  # these won as much as a name must
+    named = [weighed for weighed in fitted if led.issuperset(weighed[1].names)]
+    return [*named, *_hidden(decision, [e for e in lasting if e.name not in led])]
 
 
 def _singles(decision: Decision, catalogue: int) -> Iterator[Weighed]:
