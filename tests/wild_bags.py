@@ -32,7 +32,7 @@ class BagWriter:
         for name, (node, of) in self.store.fielddefs[kind][1]:
             fields[name] = values[name] if name in values else self._default(int(node), of)
         if "header" in fields:
-            fields["header"] = self.header(stamp, values.get("frame_id", "world"))
+            fields["header"] = self.header(stamp, values.get("frame_id", "world"), values.get("seq", 0))
         return cls(**fields)
 
     def _default(self, node, of):
@@ -44,12 +44,12 @@ class BagWriter:
             return np.zeros(of[1])
         return np.zeros(0)
 
-    def header(self, stamp, frame):
-        """Return the header of time `stamp` [s] after the epoch."""
+    def header(self, stamp, frame, seq=0):
+        """Return the header of time `stamp` [s] after the epoch; ROS 1 numbers it."""
         seconds, nanoseconds = divmod(EPOCH + round(stamp * 1e9), 1_000_000_000)
         time = self.store.types["builtin_interfaces/msg/Time"](sec=seconds, nanosec=nanoseconds)
         header = self.store.types["std_msgs/msg/Header"]
-        extra = {"seq": 0} if "seq" in header.__dataclass_fields__ else {}
+        extra = {"seq": seq} if "seq" in header.__dataclass_fields__ else {}
         return header(stamp=time, frame_id=frame, **extra)
 
     def write(self, path):

@@ -28,6 +28,7 @@ from fsm_calib.recording.stamps import zero_told
 from fsm_calib.recording.tag_poses import TagMap, TagRow, poses_from_tags, rows_of_message
 from fsm_calib.recording.topics import Topic, chosen, commanded, first_of, measured_pose, passed_over
 from fsm_calib.recording.undirected import directed
+from fsm_calib.recording.unknown_commands import lost_before
 from fsm_calib.recording.writers import HEAD_TOPIC, TOPIC
 
 COMMAND_TOPICS = ("wheels_driver_node/wheels_cmd_executed", "wheels_driver_node/wheels_cmd", "wheels_cmd")
@@ -189,11 +190,12 @@ def _channels(
         left, right = (
             np.array([float(getattr(m, f"vel_{s}")) for _, m in rows["command"]]) for s in ("left", "right")
         )
-        found["command"] = CommandTrack(
-            ros.time_of(rows["command"]), left, right, stale_after=named.stale_after
-        )
+        found["command"] = CommandTrack(ros.time_of(rows["command"]), left, right)
     elif "command" in used:
-        found["twist"] = ros.twist_track(rows["command"], named.stale_after)
+        found["twist"] = ros.twist_track(rows["command"])
+    for name in {"command", "twist"} & set(found):
+        lost = lost_before(ros.numbers_of(rows["command"]))
+        found[name] = replace(found[name], stale_after=named.stale_after, lost=lost)
     if "pose" in used:
         found["pose"] = ros.pose_track(rows["pose"])
     if "wheels" in used and used["wheels"].kind == "JointState":

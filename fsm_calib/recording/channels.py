@@ -69,24 +69,26 @@ class CommandTrack(Channel):
 
     left, right : normalized commands in [-1, 1] or wheel rates [rad/s], positive forward (`unit` says which);
     stale_after : a command older than this [s] says nothing about the wheels (the log had a gap); None =
-    never.
+    never. lost : how many commands before each row never reached the log; None = nobody counted.
     """
 
     left: FloatArray
     right: FloatArray
     unit: CommandUnit = "normalized"
     stale_after: float | None = None
+    lost: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class TwistTrack(Channel):
     """Commanded forward speed v [m/s] and turn rate omega [rad/s, counter-clockwise]; each holds until the
-    next.
+    next. `stale_after` and `lost` as of wheel commands.
     """
 
     v: FloatArray
     omega: FloatArray
     stale_after: float | None = None
+    lost: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

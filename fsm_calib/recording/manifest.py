@@ -47,7 +47,7 @@ from fsm_calib.recording.yaml_places import read_yaml
 from fsm_calib.types import FloatArray
 
 NUMERIC = frozenset(
-    ("duration", "left", "right", "v", "omega", "x", "y", "theta", "value", "dx", "dy", "dtheta")
+    ("duration", "left", "right", "v", "omega", "x", "y", "theta", "value", "dx", "dy", "dtheta", "lost")
 )
 """Keys of a channel that name columns of numbers."""
 ANGLES = {None: 1.0, "rad": 1.0, "deg": math.radians(1.0)}
@@ -210,14 +210,15 @@ def _channel(name: str, section: Any, table: Table, time: FloatArray, duration: 
         return table.numbers[getattr(section, key)] * scale
 
     metre = section.length_unit or 1.0
-    if name == "command" and section.unit == "twist":
-        return TwistTrack(
-            time, column("v", metre), column("omega", ANGLES[section.angle_unit]), section.stale_after
-        )
     if name == "command":
-        scale = RATES.get(section.unit, 1.0)
+        lost = None if section.lost is None else column("lost")
+    if name == "command" and section.unit == "twist":
+        v, omega = column("v", metre), column("omega", ANGLES[section.angle_unit])
+        return TwistTrack(time, v, omega, section.stale_after, lost)
+    if name == "command":
+        left, right = (column(side, RATES.get(section.unit, 1.0)) for side in ("left", "right"))
         kind: CommandUnit = "normalized" if section.unit == "normalized" else "rad/s"
-        return CommandTrack(time, column("left", scale), column("right", scale), kind, section.stale_after)
+        return CommandTrack(time, left, right, kind, section.stale_after, lost)
     if name == "pose":
         return PoseTrack(time, column("x", metre), column("y", metre), _heading(section, table))
     if name == "wheel_angle":

@@ -65,7 +65,7 @@ class ChannelSection(Section):
 
 class CommandSection(ChannelSection):
     """Commands of the wheels (left, right) or of the robot (v, omega; unit twist); each holds until the next
-    row.
+    row. `lost` counts the commands before a row that never reached the log.
     """
 
     left: Name | None = None
@@ -75,6 +75,7 @@ class CommandSection(ChannelSection):
     unit: Literal["normalized", "rad/s", "rpm", "twist"] = "normalized"
     angle_unit: Literal["rad", "deg"] | None = None
     stale_after: Positive | None = None
+    lost: Name | None = None
 
     @model_validator(mode="after")
     def _one_kind(self) -> CommandSection:

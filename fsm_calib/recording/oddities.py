@@ -10,6 +10,7 @@ import numpy as np
 
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, WheelPair
 from fsm_calib.recording.recording import GAP_FACTOR, Finding, Recording
+from fsm_calib.recording.unknown_commands import unknown_spans
 from fsm_calib.types import FloatArray, wrap_angle
 
 FASTEST = 3.0  # m/s; three times what a Duckiebot, a Create or a Khepera can do
@@ -34,7 +35,7 @@ def findings_of(recording: Recording) -> list[Finding]:
         found += _frozen(recording, pose)
     for name in ("wheel_angle", "wheel_rate", "wheel_speed"):
         found += _one_sided(name, getattr(recording, name))
-    found += _clipped(recording.command) + _clocks(recording)
+    found += _lost(recording) + _clipped(recording.command) + _clocks(recording)
     return found
 
 
@@ -171,6 +172,22 @@ def _one_sided(name: str, track: WheelPair | None) -> list[Finding]:
         sentence = f"the {side} column never changes while the other does: a dead sensor or wheel?"
         return [Finding(name, "frozen", sentence, "kept", len(track), float(track.time[0]))]
     return []
+
+
+def _lost(recording: Recording) -> list[Finding]:
+    """Tell of commands that never reached the log, and for how long nobody knows them."""
+    track = recording.command or recording.twist
+    if track is None or track.lost is None or not track.lost.any():
+        return []
+    missing, rows = int(track.lost.sum()), np.flatnonzero(track.lost)
+    dark = np.diff(unknown_spans(track), axis=1)
+    since = float(track.time[max(int(rows[0]) - 1, 0)])
+    sentence = (
+        f"{missing} commands were lost on the way into the log (their numbers leap {len(rows)} times, first after "
+        f"{since:.2f} s); what the robot did for these {float(dark[np.isfinite(dark)].sum()):.1f} s tells nothing"
+    )
+    name = "command" if recording.command is not None else "twist"
+    return [Finding(name, "lost", sentence, "kept", missing, since)]
 
 
 def _clipped(command: CommandTrack | None) -> list[Finding]:

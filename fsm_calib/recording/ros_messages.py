@@ -60,7 +60,12 @@ def pose_track(rows: Rows) -> PoseTrack:
     return PoseTrack(time_of(rows), x, y, theta)
 
 
-def twist_track(rows: Rows, stale_after: float | None = None) -> TwistTrack:
+def numbers_of(rows: Rows) -> list[int]:
+    """Return the numbers that a publisher gave its messages; zeros where there are none, as in ROS 2."""
+    return [int(getattr(getattr(message, "header", None), "seq", 0)) for _, message in rows]
+
+
+def twist_track(rows: Rows) -> TwistTrack:
     """Return the commanded speeds of any topic of `TWISTS`."""
     pairs = []
     for _, message in rows:
@@ -70,7 +75,7 @@ def twist_track(rows: Rows, stale_after: float | None = None) -> TwistTrack:
         twist: Any = getattr(message, "twist", message)
         pairs.append((twist.linear.x, twist.angular.z))
     v, omega = np.array(pairs, dtype=float).T
-    return TwistTrack(time_of(rows), v, omega, stale_after)
+    return TwistTrack(time_of(rows), v, omega)
 
 
 def yaw_rate_track(rows: Rows) -> YawRateTrack:

@@ -22,6 +22,7 @@ from fsm_calib.diagnosis.replay.wheels import Wheels
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Recording, held_at, held_integral
+from fsm_calib.recording.unknown_commands import unknown_spans
 from fsm_calib.types import FloatArray
 
 LONGEST_STEP = 0.1  # s: short beside the time constants, so that arcs and noise integrals hold
@@ -44,15 +45,16 @@ COMMAND_NOISE = {"q_f": 0.1, "q_t": 0.8}  # m/s/sqrt(s), rad/s/sqrt(s)
 
 
 class CommandMotion:
-    """Wheel commands moved the robot (see `identify_pose.Motion`); `left`, `right` hold from `time` on."""
+    """Wheel commands moved the robot (see `identify_pose.Motion`); `left`, `right` hold from `time` on.
+
+    unknown : (n, 2) [s] from when until when nobody knows them, beside the time before the first.
+    """
 
     mode = BY_COMMANDS
     noise = COMMAND_NOISE
 
-    def __init__(
-        self, time: FloatArray, left: FloatArray, right: FloatArray, stale_after: float | None
-    ) -> None:
-        self.time, self.left, self.right, self.stale_after = time, left, right, stale_after
+    def __init__(self, time: FloatArray, left: FloatArray, right: FloatArray, unknown: FloatArray) -> None:
+        self.time, self.left, self.right, self.unknown = time, left, right, unknown
         self.parameters = {
             "tau_forward": Parameter(float(np.log(FIRST_TAU)), 0.3, TAU_SPREAD),
             "tau_turn": Parameter(float(np.log(FIRST_TAU)), 0.3, TAU_SPREAD),
@@ -71,10 +73,7 @@ class CommandMotion:
     def times(self, pose_times: FloatArray, delay: float) -> FloatArray:
         """Return pose times, changes of command as the poses see them and enough times between."""
         change = np.flatnonzero((np.diff(self.left) != 0.0) | (np.diff(self.right) != 0.0)) + 1
-        sent = [self.time[change], self.time[:1]]
-        if self.stale_after is not None:
-            late = np.flatnonzero(np.diff(self.time) > self.stale_after)
-            sent += [self.time[late] + self.stale_after, self.time[late + 1]]
+        sent = [self.time[change], self.time[:1], self.unknown[np.isfinite(self.unknown)]]
         events = [pose_times, np.concatenate(sent) + delay]
         first, last = pose_times[0], pose_times[-1]
         times = np.unique(np.concatenate(events))
@@ -85,13 +84,13 @@ class CommandMotion:
         return np.unique(np.concatenate([inner, pose_times]))
 
     def steps(self, times: FloatArray, p: dict[str, float]) -> FloatArray:
-        """Return duration, asked speed and turn rate, and 1 where the command is stale."""
+        """Return duration, asked speed and turn rate, and 1 where nobody knows the command."""
         held = 0.5 * (times[:-1] + times[1:]) - p["delay"]  # no command changes within a step
         left, right = held_at(held, self.time, self.left), held_at(held, self.time, self.right)
         forward, turn = self._asked(left, right, p)
         steps = np.zeros((len(times), STEP_COLUMNS))
         steps[1:, 0], steps[1:, 1], steps[1:, 2] = np.diff(times), forward, turn
-        steps[1:, 3] = self._stale(held)
+        steps[1:, 3] = self._unknown(held)
         return steps
 
     def constants(self, p: dict[str, float]) -> tuple[float, float]:
@@ -104,12 +103,11 @@ class CommandMotion:
         s_left, s_right = p["left"] * left, p["right"] * right
         return (s_left + s_right) / 2.0, (s_right - s_left) / p["axle"]
 
-    def _stale(self, times: FloatArray) -> FloatArray:
-        if self.stale_after is None:
-            return np.asarray(times < self.time[0], dtype=float)
-        row = np.searchsorted(self.time, times + 1e-9, side="right") - 1
-        age = times - self.time[np.maximum(row, 0)]
-        return ((row < 0) | (age >= self.stale_after - 1e-9)).astype(float)
+    def _unknown(self, times: FloatArray) -> FloatArray:
+        """Return 1 at the times (n,) [s] at which nobody knows the command, else 0."""
+        span = np.searchsorted(self.unknown[:, 0], times + 1e-9, side="right") - 1
+        ends = np.append(self.unknown[:, 1], -np.inf)[span]  # of none, the last
+        return np.asarray((times < self.time[0]) | (times < ends), dtype=float)
 
 
 class TwistMotion(CommandMotion):
@@ -142,16 +140,15 @@ def fit_commands(recording: Recording) -> PoseFit:
         start = align(_travel(track.time, track.left, track.right, pose, nominal), pose, facts.axle_length)
         a, b = start.left_sign * track.left, start.right_sign * track.right
         left, right = (b, a) if start.exchanged else (a, b)
-        motion = CommandMotion(track.time, left, right, track.stale_after).with_gains(start.scale, start.axle)
-        return fit_pose(pose, motion, start)
+        motion = CommandMotion(track.time, left, right, unknown_spans(track))
+        return fit_pose(pose, motion.with_gains(start.scale, start.axle), start)
     if recording.twist is None:
         raise DataError("neither commands nor wheels were recorded")
     twist, axle = recording.twist, facts.axle_length or 0.15
     left, right = twist.v - twist.omega * axle / 2.0, twist.v + twist.omega * axle / 2.0
     start = align(_travel(twist.time, left, right, pose, 1.0), pose, axle)
-    return fit_pose(
-        pose, TwistMotion(twist.time, twist.v, twist.omega, twist.stale_after).with_gains(1.0, axle), start
-    )
+    asked = TwistMotion(twist.time, twist.v, twist.omega, unknown_spans(twist))
+    return fit_pose(pose, asked.with_gains(1.0, axle), start)
 
 
 def _travel(time: FloatArray, left: FloatArray, right: FloatArray, pose: PoseTrack, nominal: float) -> Wheels:

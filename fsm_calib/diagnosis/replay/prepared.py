@@ -15,6 +15,7 @@ from fsm_calib.diagnosis.replay.wheels import wheels_of
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.unknown_commands import unknown_spans
 from fsm_calib.types import FloatArray
 
 FEWEST_FRAMES = 20  # poses: below it not even the base robot can be fitted
@@ -229,30 +230,21 @@ def _fresh(angles: FloatArray, moving: FloatArray) -> np.ndarray:
     return np.asarray(fresh)
 
 
-def unknown_spans(recording: Recording, settings: Settings) -> list[tuple[float, float]]:
-    """Return the times (start, end) [s] at which nobody knows what the wheels were told, with the settling after."""
-    source = recording.command or recording.twist
-    if source is None or source.stale_after is None or not len(source):
-        return []
-    after = np.append(source.time[1:], np.inf)
-    stale = after - source.time > source.stale_after
-    spans = [(-np.inf, float(source.time[0]) + settings.settle_time)] if source.stale_after else []
-    return spans + [
-        (float(t) + source.stale_after, float(end) + settings.settle_time)
-        for t, end in zip(source.time[stale], after[stale], strict=True)
-    ]
-
-
 def _restarts(
     time: FloatArray, pose_time: FloatArray, recording: Recording, settings: Settings
 ) -> np.ndarray:
-    """Mark the events at which the chain of increments is broken."""
+    """Mark the events at which the chain of increments is broken: after gaps, and while nobody knows the commands."""
     restart = np.zeros(len(time), dtype=bool)
     restart[0] = True
     for end in pose_time[1:][np.diff(pose_time) > settings.longest_gap]:
         restart[np.searchsorted(time, end)] = True
-    for start, end in unknown_spans(recording, settings):
-        restart |= (time > start) & (time <= end)
+    commands = recording.command or recording.twist
+    if commands is None or not len(commands):
+        return restart
+    for start, end in unknown_spans(commands):
+        restart |= (time > start) & (time <= end + settings.settle_time)
+    if commands.stale_after is not None:
+        restart |= time <= commands.time[0] + settings.settle_time
     return restart
 
 
