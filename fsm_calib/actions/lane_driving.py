@@ -6,6 +6,7 @@ import math
 
 from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.lane_lag import NO_LAG, predict
+from fsm_calib.actions.lane_standing import Stretch, why_standing
 from fsm_calib.actions.leaving import speed_of
 from fsm_calib.actions.looking import look
 from fsm_calib.actions.markers import camera_of, tags_in
@@ -38,11 +39,11 @@ def seek_lane(bench: Bench) -> Outcome:
 
 
 def follow_lane(bench: Bench) -> Outcome:
-    """Follow the lane for one stretch; stop when the lane is lost or the reserved marker is near.
+    """Follow the lane for one stretch; stop when the lane is lost, the reserved marker is near or the robot stands.
 
     The wheels keep their last command between two stretches.
     """
-    settings, pose = bench.settings.lane, None
+    settings, pose, stretch = bench.settings.lane, None, Stretch(bench.settings)
     for _ in range(settings.looks):
         frame = look(bench)
         if isinstance(frame, Outcome):
@@ -56,9 +57,13 @@ def follow_lane(bench: Bench) -> Outcome:
             bench.robot.command(STOP)
             bench.robot.wait(bench.settings.drive.settle)
             return _missed({"turned": 0.0})
+        stretch.see(frame, bench.notebook.panorama)
         lag = bench.robot.now() - frame.time
         _steer(bench, lane_command(bench, _now_at(bench, pose, frame.time), lag))
+        stretch.steer(bench.robot.now())
         bench.robot.wait(settings.period)
+    if stretch.stands():
+        return why_standing(bench)
     evidence = {"d": pose.d, "phi": pose.phi} if pose is not None else {}
     return Outcome("lane_followed", evidence, "One more stretch in the lane.")
 
