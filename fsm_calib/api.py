@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from fsm_calib.answers import Answer, CameraAnswer, DiagnosisAnswer, RunAnswer
 from fsm_calib.recording import read_recording as read_recording
+from fsm_calib.report import digits
 
 if TYPE_CHECKING:
     from fsm_calib.recording.recording import Recording
@@ -225,5 +226,4 @@ def _read(given: Sequence[str | Path | Recording]) -> list[Recording]:
 def _estimate(value: dict[str, Any]) -> str:
     if value["value"] is None:
         return f"not told: {value['reason']}"
-    deviation = "" if value["sd"] is None else f" ± {value['sd']:.2g}"
-    return f"{value['value']:.6g}{deviation} {value['unit']}"
+    return digits.estimate(value["value"], value["sd"], value["unit"])

@@ -64,7 +64,7 @@ def test_a_table_of_unknown_columns_is_refused_with_the_cure(tmp_path):
     (tmp_path / "w.csv").write_text("a,b\n1,2\n")
     ran = run("recording", "init", tmp_path / "w.csv")
     assert ran.exit_code == 2
-    assert "no column is known by its name" in ran.stderr
+    assert "no column is a time by its name: a, b" in ran.stderr
 
 
 @pytest.mark.parametrize(
@@ -79,6 +79,19 @@ def test_a_table_of_unknown_columns_is_refused_with_the_cure(tmp_path):
         ),
         (["t_ms", "gyro_z_degps"], "yaw_rate", {"unit": "deg/s", "time_unit": 1e-3}),
         (["t", "u_left", "u_right"], "command", {"left": "u_left", "unit": "normalized"}),
+        (
+            ["t [ms]", "PWM_L (%)", "PWM_R (%)"],
+            "command",
+            {"left": "PWM_L (%)", "full": 100, "time_unit": 1e-3},
+        ),
+        (["time", "cmdLeft", "cmdRight"], "command", {"right": "cmdRight", "unit": "normalized"}),
+        (["t", "vl", "vr"], "wheel_speed", {"left": "vl", "unit": "m/s"}),
+        (["t", "wl", "wr"], "wheel_rate", {"right": "wr"}),
+        (
+            ["tMs", "posX", "posY", "yawDeg"],
+            "pose",
+            {"theta": "yawDeg", "angle_unit": "deg", "time_unit": 1e-3},
+        ),
         (["timestamp_ms", "rpm_left", "rpm_right"], "wheel_rate", {"left": "rpm_left", "unit": "rpm"}),
         (
             ["Time", "Linear velocity", "Angular velocity [deg/s]"],
@@ -130,3 +143,41 @@ def test_a_bare_table_is_told_how_it_becomes_a_recording(tmp_path):
         ran = run(command, path)
         assert ran.exit_code == 2
         assert "fsm-calib recording init" in ran.stderr
+
+
+def test_columns_that_no_channel_reads_are_listed_and_what_is_missing_can_be_filled_in(tmp_path):
+    (tmp_path / "log.csv").write_text("time,x,y,battery\n0,0,0,12\n1,1,0,12\n")
+    text = run("recording", "init", tmp_path / "log.csv").stdout
+    assert "# not read: battery" in text
+    assert '# command: {file: "log.csv", time: COLUMN, left: COLUMN, right: COLUMN, unit: normalized}' in text
+    assert "# no poses" not in text
+
+
+def test_a_table_without_poses_says_how_they_are_named(tmp_path):
+    (tmp_path / "w.csv").write_text(WHEELS)
+    assert '# pose: {file: "w.csv", time: COLUMN' in run("recording", "init", tmp_path / "w.csv").stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("0.0,1,2\n0.1,2,3\n", "w.csv:1: the first line holds numbers"),
+        ("time,x,y\n", "w.csv:1: the file has a header but no rows"),
+        ("time,this,that\n1,2,3\n", "beside the time no column is known by its name: time, this, that"),
+    ],
+    ids=["no header", "no rows", "unknown"],
+)
+def test_a_table_that_makes_no_draft_is_refused_with_what_it_lacks(tmp_path, text, said):
+    (tmp_path / "w.csv").write_text(text)
+    ran = run("recording", "init", tmp_path / "w.csv")
+    assert (ran.exit_code, said in ran.stderr) == (2, True)
+    assert not (tmp_path / "w.recording.yaml").exists()
+
+
+def test_a_folder_that_is_no_bag_is_refused_as_one(tmp_path):
+    assert "without metadata.yaml is no ROS 2 bag" in run("recording", "init", tmp_path).stderr
+
+
+def test_a_folder_of_recordings_is_told_what_it_holds(tmp_path):
+    (tmp_path / "w.recording.yaml").write_text("")
+    assert "It holds w.recording.yaml: name those." in run("identify", tmp_path).stderr

@@ -160,6 +160,19 @@ def test_command_in_place_of_which_time_was_given_is_refused(tmp_path):
     assert "far beyond -1 to 1" in refused(write(tmp_path, manifest, c="t,r\n0,0.1\n1,0.2\n2,0.1\n3,0.1\n"))
 
 
+def test_a_percentage_is_a_share_of_full_command(tmp_path):
+    manifest = HEAD + "  command: {file: c.csv, time: t, left: l, right: r, full: 100}\n"
+    command = read_recording(write(tmp_path, manifest, c="t,l,r\n0,0,0\n1,50,-25\n2,0,0\n")).command
+    assert command.unit == "normalized"
+    assert (command.left[1], command.right[1]) == (0.5, -0.25)
+
+
+def test_a_full_number_of_rates_is_refused_with_its_place(tmp_path):
+    manifest = HEAD + "  command: {file: c.csv, time: t, left: l, right: r, unit: rpm, full: 100}\n"
+    said = refused(write(tmp_path, manifest, c="t,l,r\n0,0,0\n"))
+    assert "r.yaml:4:12: channels.command: full belongs to unit normalized" in said
+
+
 def test_position_in_place_of_time_is_refused(tmp_path):
     t = np.arange(0.0, 20.0, 0.1)
     rows = "x,t,y,h\n" + "".join(f"{q:.1f},{0.01 * q:.4f},0,0\n" for q in t)

@@ -10,6 +10,7 @@ from fsm_calib.errors import InputError
 from fsm_calib.recording import PoseTrack, Recording, TwistTrack, WheelPair, read_recording
 from fsm_calib.recording.named import Named
 from fsm_calib.recording.recording import RobotFacts
+from fsm_calib.recording.topics import owner_of
 
 TIME = np.arange(0.0, 6.0, 0.05)
 
@@ -41,6 +42,20 @@ def two_poses(tmp_path):
             bag.add(time, topic, "geometry_msgs/msg/PoseStamped", pose=bag.pose(time, 0.0, 0.0))
         bag.add(time, "/cmd_vel", "geometry_msgs/msg/TwistStamped", twist=bag.twist(0.2, 0.0))
     return bag.write(tmp_path / "two")
+
+
+@pytest.mark.parametrize(
+    ("topic", "robot"),
+    [
+        ("/autobot04/wheels_driver_node/wheels_cmd", "autobot04"),
+        ("/vrpn_client_node/rob/pose", "rob"),
+        ("/vrpn/tb3/pose", "tb3"),
+        ("/cmd_vel", ""),
+        ("/robot/camera/image", ""),
+    ],
+)
+def test_a_topic_says_whose_it_is(topic, robot):
+    assert owner_of(topic) == robot
 
 
 def test_two_candidate_poses_are_listed_with_type_count_and_rate(tmp_path):

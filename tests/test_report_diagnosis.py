@@ -17,7 +17,7 @@ from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.errors import InputError
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, StateTrack, WheelPair
 from fsm_calib.recording.recording import Recording, RobotFacts
-from fsm_calib.report import diagnosis_signature
+from fsm_calib.report import diagnosis_signature, digits
 from fsm_calib.report.diagnosis_figures import state_colour, unjoined
 from fsm_calib.report.diagnosis_paths import SEGMENT, drives, predicted_paths, state_spans
 from fsm_calib.report.diagnosis_report import diagnosis_page, write_report
@@ -163,7 +163,7 @@ def test_the_page_shows_the_equation_with_the_fitted_numbers(page: str, diagnosi
     estimate = diagnosis.verdict.effects[0].parameters["offset"]
     physics = page[page.index("<h2>The physics") : page.index("<h2>What gave it away")]
     assert registry()["motor_deadband"].equation.split("=")[0].strip() in html.unescape(physics)
-    assert f"offset = {estimate.value:.4g}" in physics
+    assert f"offset = {digits.estimate(estimate.value, estimate.sd)}" in physics
 
 
 def test_the_page_draws_the_error_against_what_gave_it_away(page: str) -> None:

@@ -21,6 +21,7 @@ def init_command(
     """Write a manifest with its guesses and comments, to be looked through and completed."""
     from fsm_calib.errors import InputError
     from fsm_calib.recording.draft import draft_of_bag, draft_of_tables
+    from fsm_calib.recording.read import BAG_SUFFIXES
 
     first = files[0]
     for file in files:
@@ -32,7 +33,13 @@ def init_command(
             "the manifest exists already", where=str(target), cure="Remove it, or name another with --out."
         )
     check_places(target)
-    bag = first.is_dir() or first.suffix in (".bag", ".mcap", ".db3")
+    if first.is_dir() and not (first / "metadata.yaml").is_file():
+        raise InputError(
+            "a folder without metadata.yaml is no ROS 2 bag",
+            where=str(first),
+            cure="Give a bag, or CSV files.",
+        )
+    bag = first.is_dir() or first.suffix in BAG_SUFFIXES
     if bag and len(files) > 1:
         raise InputError("a manifest is of one bag", where=str(files[1]), cure="Call it once for each bag.")
     beside = target.parent
@@ -68,9 +75,10 @@ def validate_manifest_command(path: Path) -> None:
         Something is wrong; `ManyErrors` for several mistakes in the manifest.
     """
     from fsm_calib.recording import read_recording
+    from fsm_calib.recording.recording import called
 
     recording = read_recording(path)
     print_findings([recording])
-    held = ", ".join(f"{name} ({len(channel)} rows)" for name, channel in recording.channels.items())
+    held = ", ".join(f"{called(name)} ({len(channel)} rows)" for name, channel in recording.channels.items())
     start, end = recording.span
     typer.echo(f"{path}: valid ({recording.robot.name}, {end - start:.1f} s: {held})")

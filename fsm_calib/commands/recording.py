@@ -22,6 +22,7 @@ from fsm_calib.commands.help import WholeSentences
 from fsm_calib.commands.manifests import init_command
 from fsm_calib.commands.options import EffectsOption
 from fsm_calib.errors import shown
+from fsm_calib.report import digits
 
 if TYPE_CHECKING:
     from fsm_calib.types import WheelCalibration
@@ -98,7 +99,7 @@ def _lines(plain: dict) -> list[str]:  # type: ignore[type-arg]
         if estimate["value"] is None:
             lines.append(f"  {name:28s} not told: {estimate['reason']}")
         else:
-            sd = "" if estimate["sd"] is None else f" +- {estimate['sd']:.2g}"
-            lines.append(f"  {name:28s} {estimate['value']:.6g}{sd} {estimate['unit']}")
+            said = digits.estimate(estimate["value"], estimate["sd"], estimate["unit"], "+-")
+            lines.append(f"  {name:28s} {said}")
     lines += [f"  residual {name:19s} {value:.6g}" for name, value in plain["residual"].items()]
     return lines + [f"  note: {note}" for note in plain["notes"]]

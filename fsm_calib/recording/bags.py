@@ -26,7 +26,17 @@ from fsm_calib.recording.named import NOTHING, Named
 from fsm_calib.recording.recording import CHANNELS, Finding, Recording, RobotFacts
 from fsm_calib.recording.stamps import zero_told
 from fsm_calib.recording.tag_poses import TagMap, TagRow, poses_from_tags, rows_of_message
-from fsm_calib.recording.topics import Topic, chosen, commanded, first_of, measured_pose, passed_over
+from fsm_calib.recording.topics import (
+    MEASURED,
+    Topic,
+    chosen,
+    commanded,
+    first_of,
+    measured_pose,
+    owner_of,
+    passed_over,
+    says,
+)
 from fsm_calib.recording.undirected import directed
 from fsm_calib.recording.unknown_commands import lost_before
 from fsm_calib.recording.writers import HEAD_TOPIC, TOPIC
@@ -90,12 +100,11 @@ def _own(path: Path, topics: dict[str, Topic]) -> Recording:
 
 def _any_bag(path: Path, topics: dict[str, Topic], tag_map: TagMap | None, named: Named) -> Recording:
     """Return the channels that the topics of a bag tell, named or known."""
-    facts = named.robot or RobotFacts()
-    if facts.name == RobotFacts().name:
-        name = next((t.split("/")[1] for t in topics if t.count("/") > 2 and "_node/" in t), facts.name)
-        facts = replace(facts, name=name)
     where = str(path)
     used = _used(topics, named, where)
+    facts = named.robot or RobotFacts()
+    if facts.name == RobotFacts().name:
+        facts = replace(facts, name=_owner(used, topics) or facts.name)
     start = min((topic.rows[0][0] for topic in topics.values()), default=0)
     findings = zero_told(start / SECOND) + _told(used)
     found = _channels(used, start, named, facts, where)
@@ -117,6 +126,13 @@ def _any_bag(path: Path, topics: dict[str, Topic], tag_map: TagMap | None, named
     if not found:
         raise InputError(f"no topic tells of a drive; the bag holds {_all(topics)}", where=where)
     return Recording(robot=facts, source=where, checks=tuple(findings), clock_zero=start / SECOND, **found)
+
+
+def _owner(used: dict[str, Topic], topics: dict[str, Topic]) -> str:
+    """Return whose drive it is: whom the pose is of, else whose nodes were recorded; empty where no name says it."""
+    names = [used["pose"].name] if "pose" in used else []
+    names += [topic.name for topic in topics.values() if not says(topic, MEASURED)]
+    return next(filter(None, map(owner_of, names)), "")
 
 
 def _passed_over(topics: dict[str, Topic]) -> list[Finding]:

@@ -15,7 +15,6 @@ import numpy as np
 
 from fsm_calib.types import FloatArray, Pose2, read_only
 
-AngleUnit = Literal["rad", "tick"]
 CommandUnit = Literal["normalized", "rad/s"]
 Stamp = Literal["start", "middle", "end"]
 """What the stamp of a rate is, of the time that the rate stands for (`wheel_stamps`)."""

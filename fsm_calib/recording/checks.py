@@ -93,7 +93,8 @@ def _refuse_impossible(recording: Recording, odd: list[Finding], sources: Mappin
             raise InputError(
                 f"a normalized command of {float(size.max()):g} lies far beyond -1 to 1",
                 where=sources["command"].where(int(np.argmax(size))),
-                cure="Are columns swapped? Wheel rates have unit: rad/s or rpm; measured ones are a wheel_rate.",
+                cure="Say what full command is (full: 100 for percent, full: 255 for eight bits). Wheel rates have "
+                "unit: rad/s or rpm; measured ones are a wheel_rate. Or are columns swapped?",
             )
     for finding in odd:
         if finding.kind in REFUSED:

@@ -1,7 +1,7 @@
 """Which columns of a table are which channel, guessed from their names: the first draft of a manifest.
 
-Names are compared without case and marks; a unit behind a name (``x_mm``, ``left [rpm]``), or one like rpm ahead of it,
-is taken for the channel's.
+Names are compared without case and marks (``posX`` is ``pos_x``); a unit behind a name (``x_mm``, ``left [rpm]``,
+``PWM_L (%)``), or one like rpm ahead of it, is taken for the channel's.
 """
 
 from __future__ import annotations
@@ -94,12 +94,17 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
 UNITS = {
     "deg": "deg", "degree": "deg", "degrees": "deg", "rad": "rad", "rpm": "rpm", "mm": "mm", "cm": "cm", "m": "m",
     "s": "s", "ms": "ms", "us": "us", "ns": "ns", "radps": "rad/s", "rads": "rad/s", "degps": "deg/s", "mps": "m/s",
-    "ms1": "m/s", "ticks": "tick", "tick": "tick", "counts": "tick", "mmps": "mm/s", "rads1": "rad/s",
+    "ms1": "m/s", "ticks": "tick", "tick": "tick", "counts": "tick", "mmps": "mm/s", "rads1": "rad/s", "percent": "%",
+    "pct": "%",
 }  # fmt: skip
 LEADING = ("rpm", "ticks", "tick", "counts", "deg")
 """Units that people write ahead of a name: ``rpm_left``."""
 PRINTED = "field"
 """What `rostopic echo -p` writes ahead of every column."""
+SIDES = {"left": ("left", "l", "lft"), "right": ("right", "r", "rgt")}
+"""Words that say which wheel a column is of; the first counts inside another word, too."""
+SHORT = ("u", "v", "w")
+"""Letters ahead of a wheel's: ``ul`` and ``ur`` are commands, ``vl`` speeds, ``wl`` rates."""
 SECONDS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 METRES = {"mm": 1e-3, "cm": 1e-2, "mm/s": 1e-3}
 
@@ -115,7 +120,7 @@ class Guess:
 
 def plain(name: str) -> tuple[str, str]:
     """Return a column's name without marks and unit, and the unit; empty where it names none."""
-    words = [w for w in re.split(r"[^a-z0-9]+", re.sub(r"(rad|deg|mm|m)/s\b", r"\1ps", name.lower())) if w]
+    words = words_of(name)
     words = words[1:] if len(words) > 1 and words[0] == PRINTED else words
     if len(words) < 2:
         return "".join(words), ""
@@ -123,6 +128,12 @@ def plain(name: str) -> tuple[str, str]:
         return "".join(words[:-1]), unit
     unit = UNITS[words[0]] if words[0] in LEADING else ""
     return "".join(words[1:] if unit else words), unit
+
+
+def words_of(name: str) -> list[str]:
+    """Return the words of a column's name in small letters: what marks, blanks or a capital letter part."""
+    parted = re.sub(r"([a-z])([A-Z])", r"\1 \2", re.sub(r"(?<!^)%", " percent ", name)).lower()
+    return [w for w in re.split(r"[^a-z0-9]+", re.sub(r"(rad|deg|mm|m)/s\b", r"\1ps", parted)) if w]
 
 
 def guessed(file: str, header: Sequence[str]) -> list[Guess]:
@@ -137,12 +148,16 @@ def guessed(file: str, header: Sequence[str]) -> list[Guess]:
     found = {
         key: next((n for n in header if named[n][0] in words), None) for key, words in QUANTITIES.items()
     }
-    sides = {
-        s: next((n for n in header if s in n.lower() or named[n][0] in (s[0], f"u{s[0]}")), None)
-        for s in ("left", "right")
-    }
+    sides = {side: next((n for n in header if _is_of(n, side)), None) for side in SIDES}
     units = {name: unit for name, (_, unit) in named.items()}
     return list(_channels(base, found, sides, units))
+
+
+def _is_of(name: str, side: str) -> bool:
+    """Return whether a column is of a wheel."""
+    words = words_of(name)
+    short = [f"{letter}{side[0]}" for letter in SHORT]
+    return side in name.lower() or any(word in SIDES[side] for word in words) or "".join(words) in short
 
 
 def _channels(
@@ -190,7 +205,7 @@ def _pose(base: dict[str, object], found: dict[str, str | None], units: dict[str
 
 def _wheels(section: dict[str, object], name: str, unit: str) -> Guess:
     """Return what left and right columns are, by their unit, else by their name."""
-    lower = name.lower()
+    lower, word = name.lower(), plain(name)[0]
     if unit in ("rpm", "rad/s", "deg/s"):
         return Guess("wheel_rate", section | {"unit": unit})
     if unit in ("m/s", "mm/s"):
@@ -201,6 +216,10 @@ def _wheels(section: dict[str, object], name: str, unit: str) -> Guess:
         return Guess("wheel_angle", section | {"unit": "tick"}, ("add ticks_per_turn where you know it",))
     if unit in ("rad", "deg"):
         return Guess("wheel_angle", section | {"unit": unit})
-    if "rate" in lower or "omega" in lower or "vel" in lower:
+    if "rate" in lower or "omega" in lower or "vel" in lower or word == "wl":
         return Guess("wheel_rate", section, ("rates in rad/s; rpm and deg/s show and are told",))
+    if word == "vl":
+        return Guess("wheel_speed", section | {"unit": "m/s"}, ("speeds of the rims in m/s",))
+    if unit == "%":
+        return Guess("command", section | {"unit": "normalized", "full": 100}, ("100 is full command",))
     return Guess("command", section | {"unit": "normalized"}, ("left and right are commands from -1 to 1",))

@@ -97,12 +97,21 @@ def header_of(path: Path) -> list[str]:
     Raises
     ------
     InputError
-        The file is missing, empty, truncated or not text.
+        The file is missing, empty, truncated or not text, has no rows, or begins with numbers in place of names.
     """
-    for number, line in enumerate(read_lines(path), 1):
-        if line.strip():
-            return _header_names(path, number, line, _separator(line))
-    raise InputError("the file is empty; expected a header line and rows", where=f"{path}:1")
+    written = [(number, line) for number, line in enumerate(read_lines(path), 1) if line.strip()]
+    if not written:
+        raise InputError("the file is empty; expected a header line and rows", where=f"{path}:1")
+    number, line = written[0]
+    cells = _split(path, number, line, _separator(line))
+    if all(_is_finite_number(cell.strip()) for cell in cells):
+        cure = "Write the names above them, such as time,left,right or time,x,y,theta."
+        raise InputError(
+            "the first line holds numbers, no names of columns", where=f"{path}:{number}", cure=cure
+        )
+    if len(written) < 2:
+        raise InputError("the file has a header but no rows", where=f"{path}:{number}")
+    return _header_names(path, number, line, _separator(line))
 
 
 def read_lines(path: Path) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fsm_calib.errors import InputError
-from fsm_calib.recording.column_guesses import Guess, guessed, plain
+from fsm_calib.recording.column_guesses import TIMES, Guess, guessed, plain
 from fsm_calib.recording.csv_table import header_of
 from fsm_calib.recording.manifest_schema import FORMAT
 
@@ -35,11 +35,24 @@ ROBOTS = (
 )
 """What people call the column that says whose row it is."""
 SEVERAL = "  # several robots in it? add to its channels: only: {{{column}: NAME}}"
-UNKNOWN = (
-    "  # no time or no column known by its name; if it holds the commands:\n"
-    "  # command: {{file: {file}, time: COLUMN, v: COLUMN, omega: COLUMN, unit: twist}}"
-)
+UNKNOWN = "  # no time, or no column that is known by its name"
 """What a draft says of a table of which it can make nothing."""
+MOVES = frozenset(("command", "wheel_angle", "wheel_rate", "wheel_speed"))
+SEES = frozenset(("pose", "yaw_rate", "displacement"))
+MISSING = (
+    (
+        MOVES,
+        "  # no commands and no wheels are known by their names; if columns hold them, one of these:\n"
+        "  # command: {{file: {file}, time: COLUMN, left: COLUMN, right: COLUMN, unit: normalized}}\n"
+        "  # command: {{file: {file}, time: COLUMN, v: COLUMN, omega: COLUMN, unit: twist}}",
+    ),
+    (
+        SEES,
+        "  # no poses are known by their names; if columns hold them:\n"
+        "  # pose: {{file: {file}, time: COLUMN, x: COLUMN, y: COLUMN, theta: COLUMN}}",
+    ),
+)
+"""Channels of which a robot's identification needs one, and what a draft says that found none of them."""
 
 
 def draft_of_tables(paths: Sequence[Path], beside: Path) -> str:
@@ -50,7 +63,7 @@ def draft_of_tables(paths: Sequence[Path], beside: Path) -> str:
     InputError
         A file cannot be read, or none holds a channel that is known by its columns' names.
     """
-    lines, seen = [f"format: {FORMAT}", ROBOT + "channels:"], set()
+    lines, seen, doubtful = [f"format: {FORMAT}", ROBOT + "channels:"], set(), ""
     for path in paths:
         header = header_of(path)
         file = str(path.relative_to(beside)) if path.is_relative_to(beside) else str(path.resolve())
@@ -61,14 +74,37 @@ def draft_of_tables(paths: Sequence[Path], beside: Path) -> str:
             seen.add(guess.channel)
         several = next((name for name in header if plain(name)[0] in ROBOTS), None)
         lines += [SEVERAL.format(column=_quoted(several))] if several else []
-        lines += [] if guesses else [UNKNOWN.format(file=_quoted(file))]
+        lines += _left_over(header, guesses) if guesses else [UNKNOWN]
+        doubtful = file if not guesses else doubtful or file
     if not seen:
-        raise InputError(
-            "no column is known by its name; a table needs a time and x, y, or left, right, or v, omega",
-            where=str(paths[0]),
-            cure="Name the columns in the header line, or write the manifest by hand.",
-        )
+        raise _nothing_known(paths[0])
+    lines += [said.format(file=_quoted(doubtful)) for wanted, said in MISSING if not seen & wanted]
     return "\n".join(lines) + "\n"
+
+
+def _left_over(header: Sequence[str], guesses: Sequence[Guess]) -> list[str]:
+    """Return a line with the columns that no guess reads."""
+    read = [name for guess in guesses for value in guess.section.values() for name in _listed(value)]
+    rest = [name for name in header if name not in read]
+    return [f"  # not read: {', '.join(rest)}"] if rest else []
+
+
+def _listed(value: object) -> Sequence[object]:
+    """Return a value of a section as the names that it may hold: a quaternion has four."""
+    return value if isinstance(value, list) else [value]
+
+
+def _nothing_known(path: Path) -> InputError:
+    """Return the error for a table of which no column is known: what it has, and what a table needs."""
+    header = header_of(path)
+    timed = any(plain(name)[0] in TIMES for name in header)
+    problem = "beside the time no column is known by its name" if timed else "no column is a time by its name"
+    return InputError(
+        f"{problem}: {', '.join(header)}",
+        where=str(path),
+        cure="A table needs a time, and x, y or left, right or v, omega: rename columns in the header line, or write "
+        "the manifest by hand (docs/recordings.md).",
+    )
 
 
 def draft_of_bag(path: Path, beside: Path) -> str:

@@ -216,7 +216,8 @@ def _channel(name: str, section: Any, table: Table, time: FloatArray, duration: 
         v, omega = column("v", metre), column("omega", ANGLES[section.angle_unit])
         return TwistTrack(time, v, omega, section.stale_after, lost)
     if name == "command":
-        left, right = (column(side, RATES.get(section.unit, 1.0)) for side in ("left", "right"))
+        one = 1.0 / (section.full or 1.0) if section.unit == "normalized" else RATES[section.unit]
+        left, right = (column(side, one) for side in ("left", "right"))
         kind: CommandUnit = "normalized" if section.unit == "normalized" else "rad/s"
         return CommandTrack(time, left, right, kind, section.stale_after, lost)
     if name == "pose":

@@ -65,7 +65,8 @@ class ChannelSection(Section):
 
 class CommandSection(ChannelSection):
     """Commands of the wheels (left, right) or of the robot (v, omega; unit twist); each holds until the next
-    row. `lost` counts the commands before a row that never reached the log.
+    row. `full` is the number that stands for full command (1, or 100 for percent, 255 for eight bits); `lost`
+    counts the commands before a row that never reached the log.
     """
 
     left: Name | None = None
@@ -73,6 +74,7 @@ class CommandSection(ChannelSection):
     v: Name | None = None
     omega: Name | None = None
     unit: Literal["normalized", "rad/s", "rpm", "twist"] = "normalized"
+    full: Positive | None = None
     angle_unit: Literal["rad", "deg"] | None = None
     stale_after: Positive | None = None
     lost: Name | None = None
@@ -83,6 +85,8 @@ class CommandSection(ChannelSection):
         wanted, other = (twist, wheels) if self.unit == "twist" else (wheels, twist)
         if None in wanted or other != (None, None):
             raise ValueError("unit twist needs v and omega, the other units need left and right")
+        if self.full is not None and self.unit != "normalized":
+            raise ValueError(f"full belongs to unit normalized; commands in {self.unit} have no full number")
         return self
 
 

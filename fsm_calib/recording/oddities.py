@@ -182,9 +182,10 @@ def _lost(recording: Recording) -> list[Finding]:
     missing, rows = int(track.lost.sum()), np.flatnonzero(track.lost)
     dark = np.diff(unknown_spans(track), axis=1)
     since = float(track.time[max(int(rows[0]) - 1, 0)])
+    leaps = "once" if len(rows) == 1 else f"{len(rows)} times, first"
     sentence = (
-        f"{missing} commands were lost on the way into the log (their numbers leap {len(rows)} times, first after "
-        f"{since:.2f} s); what the robot did for these {float(dark[np.isfinite(dark)].sum()):.1f} s tells nothing"
+        f"{missing} commands never reached the log (their numbers leap {leaps} after {since:.2f} s); what the robot "
+        f"did for these {float(dark[np.isfinite(dark)].sum()):.1f} s is left out"
     )
     name = "command" if recording.command is not None else "twist"
     return [Finding(name, "lost", sentence, "kept", missing, since)]

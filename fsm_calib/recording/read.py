@@ -57,12 +57,18 @@ def read_recording(path: str | Path, tag_map: str | Path | None = None, named: N
         from fsm_calib.recording.bags import read_bag
 
         return read_bag(path, _tags(tag_map), named)
-    cure = TABLES if is_table(path) else ""
+    cure = TABLES if is_table(path) else _inside(path) if path.is_dir() else ""
     raise InputError(
         "not a recording: expected a manifest (.yaml), a .bag, a .mcap or a bag folder",
         where=str(path),
         cure=cure,
     )
+
+
+def _inside(folder: Path) -> str:
+    """Return a sentence with some of the recordings that a folder holds; empty where it holds none."""
+    found = [p.name for p in sorted(folder.iterdir()) if p.name.endswith((MANIFEST_END, *BAG_SUFFIXES))]
+    return f"It holds {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}: name those." if found else ""
 
 
 def is_table(path: Path) -> bool:

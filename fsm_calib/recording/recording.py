@@ -55,6 +55,11 @@ class RobotFacts:
     inertia: float | None = None
 
 
+def called(channel: str) -> str:
+    """Return a channel's name as manifests have it: commands are `command` there, of the wheels or of the robot."""
+    return "command" if channel == "twist" else channel
+
+
 @dataclass(frozen=True, slots=True)
 class Finding:
     """Something a person would want to know about the data.
@@ -73,7 +78,7 @@ class Finding:
 
     def __str__(self) -> str:
         """Return the line that is printed."""
-        return f"{self.channel}: {self.sentence}"
+        return f"{called(self.channel)}: {self.sentence}"
 
 
 @dataclass(frozen=True)

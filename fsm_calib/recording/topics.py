@@ -6,7 +6,7 @@ tells them apart, nothing is guessed: the error lists them and the option that c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -40,6 +40,17 @@ class Topic:
     def __str__(self) -> str:
         """Return name, type, count and rate."""
         return f"{self.name} ({self.kind}, {len(self.rows)} messages, {self.rate:.3g} Hz)"
+
+
+def owner_of(name: str) -> str:
+    """Return the robot whose topic it is, by its name as Duckietown's nodes and motion captures write it; else empty.
+
+    ``/NAME/SOME_node/...`` and ``/vrpn_client_node/NAME/pose`` (`MEASURED` has the words).
+    """
+    house, part, *rest = [*name.strip("/").split("/"), ""]
+    if any(word in house for word in MEASURED):
+        return part if rest and rest[0] else ""
+    return house if part.endswith("_node") and rest and rest[0] else ""
 
 
 def says(topic: Topic, words: Sequence[str]) -> bool:
@@ -142,8 +153,3 @@ def first_of(topics: Mapping[str, Topic], kind: str, order: Sequence[str] = ()) 
             if topic.name.endswith(ending):
                 return topic
     return found[0] if found else None
-
-
-def of_kind(topics: Mapping[str, Topic], test: Callable[[Topic], bool]) -> list[Topic]:
-    """Return the topics that pass a test."""
-    return [topic for topic in topics.values() if test(topic)]

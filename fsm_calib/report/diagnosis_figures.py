@@ -26,6 +26,8 @@ MAP_WIDTH = 5.5
 MAP_HEIGHTS = (1.9, 4.4)
 """Least and largest height of a map [inch]: as the drive needs it."""
 MAP_ROOM = Margins(left=0.8)
+LEGEND_ROOM = 0.25
+"""Height that the names of the lines take above the axes [inch]."""
 SPREAD = 0.98
 """Share of errors inside the colour scale: a lone jump of the tracker must not darken the rest."""
 
@@ -38,7 +40,8 @@ def error_over_time(drive: Drive, when: Sequence[tuple[float, float]] = ()) -> s
     rows = [r for r in (0, 1) if drive.placed or r == 1]
     heights = ([0.16] if drive.states else []) + [1.0] * len(rows)
     legend = 0.2 * -(-min(len({name for *_, name in drive.states}), NAMED_STATES) // 5)
-    with figure(11.0, 0.6 + legend + 1.7 * len(rows), Margins(top=0.1 + legend)) as fig:
+    top = LEGEND_ROOM + legend
+    with figure(11.0, 0.5 + top + 1.7 * len(rows), Margins(top=top)) as fig:
         axes = fig.subplots(len(heights), 1, sharex=True, height_ratios=heights, squeeze=False)[:, 0]
         fig.subplots_adjust(hspace=0.12)
         if drive.states:
@@ -48,7 +51,9 @@ def error_over_time(drive: Drive, when: Sequence[tuple[float, float]] = ()) -> s
             for begin, end in when:
                 axis.axvspan(begin, end, color=BEFORE, alpha=0.15, linewidth=0)
         axes[-1].set(xlabel="time [s]", xlim=(float(drive.time[0]), float(drive.time[-1])))
-        axes[-len(rows)].legend(loc="upper right", ncols=3, fontsize=8)
+        fig.legend(
+            *axes[-1].get_legend_handles_labels(), loc="upper right", ncols=3, fontsize=8, borderaxespad=0.1
+        )
         return svg(fig, f"Error over time, {drive.title}", dict.fromkeys(axes[-len(rows) :], "time"))
 
 
@@ -146,7 +151,7 @@ def paths(drive: Drive) -> str:
             )
             axis.add_collection(LineCollection(lines, colors=colour, linewidths=1.1, label="predicted"))
             _map(axis, f"paths, {name}", every)
-            axis.legend(loc="upper right", fontsize=8)
+            axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, borderaxespad=0.1)
             fig.canvas.draw()  # one scale for both axes makes the box narrower or lower
             both.append(svg(fig, f"Paths {name}, {drive.title}", {axis: "floor"}))
     return beside(*both)

@@ -17,7 +17,7 @@ from fsm_calib.diagnosis.proof.heldout import Comparison
 from fsm_calib.diagnosis.proof.windows import Windows
 from fsm_calib.diagnosis.verdict.verdict import ErrorTriple
 from fsm_calib.errors import InputError
-from fsm_calib.report import diagnosis_figures
+from fsm_calib.report import diagnosis_figures, digits
 from fsm_calib.report.diagnosis_paths import drives
 from fsm_calib.report.diagnosis_signature import signature
 from fsm_calib.report.pages import page
@@ -86,10 +86,7 @@ def physics(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         effect = registry().get(named.name)
         if effect is None:
             continue
-        numbers = [
-            f"{key} = {e.value:.4g}" + (f" ± {e.sd:.2g}" if np.isfinite(e.sd) else "") + _unit(e.unit)
-            for key, e in named.parameters.items()
-        ]
+        numbers = [f"{key} = {digits.estimate(e.value, e.sd, e.unit)}" for key, e in named.parameters.items()]
         found.append(
             {
                 "key": effect.name,
@@ -102,10 +99,6 @@ def physics(diagnosis: Diagnosis) -> list[dict[str, Any]]:
             }
         )
     return found
-
-
-def _unit(unit: str) -> str:
-    return "" if unit == "1" else f" {unit}"
 
 
 def ranking_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
@@ -209,7 +202,13 @@ def parameter_rows(diagnosis: Diagnosis) -> list[Row]:
     verdict = diagnosis.verdict
     owned = [(effect.name, effect.parameters) for effect in verdict.effects] + [("base robot", verdict.base)]
     return [
-        Row(owner, name, f"{e.value:.4g}", _interval(e.value, e.sd), "" if e.unit == "1" else e.unit)
+        Row(
+            owner,
+            name,
+            digits.rounded(e.value, e.sd),
+            _interval(e.value, e.sd),
+            "" if e.unit == "1" else e.unit,
+        )
         for owner, numbers in owned
         for name, e in numbers.items()
     ]
@@ -218,4 +217,5 @@ def parameter_rows(diagnosis: Diagnosis) -> list[Row]:
 def _interval(value: float, sd: float) -> str:
     if not np.isfinite(sd):
         return "the data cannot tell"
-    return f"{value - NINETY_PERCENT * sd:.4g} to {value + NINETY_PERCENT * sd:.4g}"
+    low, high = (digits.rounded(value + side * NINETY_PERCENT * sd, sd) for side in (-1.0, 1.0))
+    return f"{low} to {high}"
