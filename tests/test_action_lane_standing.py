@@ -12,7 +12,7 @@ from fsm_calib.actions import Bench
 from fsm_calib.actions.lane_standing import LANE_BLOCKED, WHEELS_STALLED, Stretch, is_same, why_standing
 from fsm_calib.actions.looking import FRAME_MISSING
 from fsm_calib.actions.settings import ActionSettings
-from fsm_calib.perception.turning import panorama, turn_between
+from fsm_calib.perception.turning import panorama
 from fsm_calib.runner.run import run_scenario
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.types import STOP, Frame, WheelCommand
@@ -69,10 +69,20 @@ def test_the_first_picture_which_no_command_preceded_is_left_out() -> None:
     assert stretch_of(panoramas(12, 0, 0, 0)).stands()
 
 
-def test_a_change_of_few_grey_levels_is_one_where_the_picture_has_few() -> None:
-    before, after = panoramas(0, 12, light=0.05)
-    assert turn_between(before, after).change < SETTINGS.turn.still_change
-    assert not is_same(SETTINGS, before, after)
+def zoomed(share: float, light: float, noise: float, seed: int) -> np.ndarray:
+    """Return the panorama of a room that is nearer by a share, as after driving on."""
+    near = cv2.resize(picture(0)[..., 0], None, fx=1.0 + share, fy=1.0 + share)[:480, :640]
+    noisy = near * light + np.random.default_rng(seed).normal(0.0, noise, near.shape)
+    return panorama(np.clip(noisy, 0.0, 255.0).astype(np.uint8))
+
+
+@pytest.mark.parametrize(("light", "noise"), [(1.0, 2.0), (1.0, 10.0), (0.1, 1.2)])
+def test_a_picture_that_came_nearer_is_another_one_in_the_dark_and_in_noise(
+    light: float, noise: float
+) -> None:
+    far, again, near = (zoomed(share, light, noise, seed) for seed, share in enumerate((0.0, 0.0, 0.1)))
+    assert is_same(SETTINGS, far, again)
+    assert not is_same(SETTINGS, far, near)
 
 
 class Held:

@@ -11,6 +11,7 @@ from fsm_calib.actions import Bench
 from fsm_calib.actions.looking import FRAME_MISSING
 from fsm_calib.actions.moving import CLOCKWISE, COUNTERCLOCKWISE
 from fsm_calib.actions.turning import Step, turn_step, turned_evidence
+from fsm_calib.perception.turning import panorama, turn_between
 from fsm_calib.types import Frame, WheelCommand
 
 SIZE = (480, 640)
@@ -48,6 +49,17 @@ def scene(seed: int) -> np.ndarray:
     """A picture of coarse blocks."""
     blocks = np.random.default_rng(seed).integers(20, 230, (24, 32)).astype(float)
     return np.kron(blocks, np.ones((20, 20)))
+
+
+def test_a_turn_in_the_dark_is_one_however_little_it_changes() -> None:
+    room = 0.04 * np.hstack([scene(1), scene(2)])
+    bench = Bench(Slides(room[:, 40 : 40 + SIZE[1]], room[:, : SIZE[1]]))
+    step = turn_step(bench, COUNTERCLOCKWISE, STEP)
+    assert isinstance(step, Step)
+    assert (
+        turn_between(*(panorama(room[:, at : at + SIZE[1]].astype(np.uint8)) for at in (40, 0))).change < 4.0
+    )
+    assert step.turned == pytest.approx(math.radians(6.0), abs=math.radians(2.0))
 
 
 @pytest.mark.parametrize(("way", "sign"), [(CLOCKWISE, -1.0), (COUNTERCLOCKWISE, 1.0)])

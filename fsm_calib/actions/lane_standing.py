@@ -1,7 +1,6 @@
 """Whether a robot that is commanded along the lane stands, told by its pictures, and what holds it.
 
-Along a lane the picture changes from look to look: rendered lanes in any light changed by 0.28 of their own spread and
-more, where a robot that pushes at a wall sees its noise alone, 0.02.
+A change that is noise is new in every pixel, one that comes of moving extends over many; in the dark either is small.
 """
 
 from __future__ import annotations
@@ -57,9 +56,10 @@ class Stretch:
 
 
 def is_same(settings: ActionSettings, before: NDArray[np.uint8], after: NDArray[np.uint8]) -> bool:
-    """Whether two panoramas differ by no more than noise: by few grey levels, and by a small share of their spread."""
-    limit = min(settings.turn.still_change, settings.lane.still_share * float(before.std()))
-    return turn_between(before, after).change < limit
+    """Whether two panoramas differ by their noise alone: no shift explains it, and it extends over no pixels."""
+    turn = turn_between(before, after)
+    is_shifted = turn.likeness >= settings.turn.clear_likeness
+    return not is_shifted and turn.autocorrelation < settings.lane.still_autocorrelation
 
 
 def why_standing(bench: Bench) -> Outcome:

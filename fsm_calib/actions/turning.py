@@ -94,10 +94,14 @@ def _push_and_look(bench: Bench, way: str, command: float, *, reverse: bool = Fa
 
 
 def _stands_still(bench: Bench, turn: Turn) -> bool:
-    """Whether the picture is the same but for its noise, or shifted by less than can be told."""
+    """Whether the picture is the same but for its noise, or shifted by less than can be told.
+
+    A clear shift is no noise, however little it changes in a dark room.
+    """
     settings = bench.settings.turn
-    is_clear = turn.likeness >= settings.clear_likeness
-    return turn.change < settings.still_change or (is_clear and abs(turn.angle) < settings.smallest_turn)
+    if turn.likeness >= settings.clear_likeness:
+        return abs(turn.angle) < settings.smallest_turn
+    return turn.change < settings.still_change
 
 
 def _expected_turn(bench: Bench, way: str, command: float) -> float:

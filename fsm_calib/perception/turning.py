@@ -27,6 +27,8 @@ COLUMN = math.radians(0.25)
 HALF_WIDTH = math.radians(48.0)
 LOWEST, HIGHEST, ROWS = math.radians(-50.0), math.radians(14.0), 24
 LARGEST_TURN = math.radians(24.0)
+APART = math.radians(1.5)
+"""Beyond a block of JPEG, 8 px, and within what a drive of 1 cm and more changes alike."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +36,14 @@ class Turn:
     """A turn between two images.
 
     angle : counter-clockwise positive [rad]; likeness : 1 - cost / cost without a shift [1], 0 when no shift
-    explains the change; change : rms difference of the panoramas without a shift [grey levels].
+    explains the change; change : rms difference of the panoramas without a shift [grey levels]; autocorrelation :
+    of that difference with itself `APART` to the side [1], 0 for noise, which is new in every pixel.
     """
 
     angle: float
     likeness: float
     change: float
+    autocorrelation: float
 
 
 def panorama(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -65,7 +69,13 @@ def turn_between(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> Turn:
     still = float(costs[reach])
     shift = best - reach + _vertex(costs, best)
     likeness = 1.0 - float(costs[best]) / still if still > 0.0 else 0.0
-    return Turn(angle=shift * COLUMN, likeness=likeness, change=math.sqrt(still))
+    return Turn(shift * COLUMN, likeness, math.sqrt(still), _autocorrelation(second - first))
+
+
+def _autocorrelation(difference: NDArray[np.float32]) -> float:
+    """Return the correlation of a difference (rows, columns) with itself `APART` to the side; 0 where there is none."""
+    power, apart = float(np.mean(difference * difference)), round(APART / COLUMN)
+    return float(np.mean(difference[:, apart:] * difference[:, :-apart])) / power if power > 0.0 else 0.0
 
 
 def _without_means(panorama: NDArray[np.uint8]) -> NDArray[np.float32]:
