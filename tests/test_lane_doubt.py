@@ -23,7 +23,7 @@ STOP = BEGIN + np.array([0.77, 0.76, 0.72, 0.82, 0.76, 0.78])
 COMMAND = 0.23
 LANE = """
 name: worn
-seed: 12
+seed: 11
 robot:
   source: fleet
   known: {camera: true, ratio_drift: 0.0}

@@ -21,6 +21,7 @@ from fsm_calib.perception.lens import intrinsics_vector, project
 from fsm_calib.perception.rotations import base_from_camera, mount_from_pose, yaw_rotation
 from fsm_calib.perception.sharpness import block_dct, sharpness
 from fsm_calib.perception.tags import find_tags
+from fsm_calib.perception.tape_colours import tape_masks, tape_values
 from fsm_calib.perception.tilt import estimate_tilt
 from fsm_calib.types import BoardSpec, CameraMount, Pose2
 from fsm_calib.world2d.camera import Renderer
@@ -290,9 +291,46 @@ def test_the_lane_pose_is_left_and_counter_clockwise_positive(d: float, phi: flo
     assert lane.phi == pytest.approx(phi, abs=0.03)
 
 
-def test_no_lane_is_seen_on_a_bare_floor() -> None:
+@pytest.mark.parametrize("brightness", [0.1, 0.3, 2.0, 3.0])
+def test_the_lane_is_seen_in_rooms_of_any_light(brightness: float) -> None:
+    pose = area().spec.road.start.then(Pose2(0.9, 0.03, 0.2))
+    lane = observe_lane(photo(area(), pose, brightness=brightness), CAMERA, MOUNT)
+    assert lane is not None
+    assert (lane.d, lane.phi) == (pytest.approx(0.03, abs=0.01), pytest.approx(0.2, abs=0.03))
+
+
+@pytest.mark.parametrize("brightness", [0.1, 1.0, 3.0])
+def test_no_lane_is_seen_on_a_bare_floor(brightness: float) -> None:
     bare = build_scene(SceneSpec(), np.random.default_rng(1))
-    assert observe_lane(photo(bare), CAMERA, MOUNT) is None
+    assert observe_lane(photo(bare, brightness=brightness), CAMERA, MOUNT) is None
+
+
+def test_a_lane_across_the_way_is_not_taken_for_one_along_it() -> None:
+    pose = area().spec.road.start.then(Pose2(0.9, 0.0, math.radians(80.0)))
+    lane = observe_lane(photo(area(), pose, brightness=0.7), CAMERA, MOUNT)
+    assert lane is None or abs(lane.phi) > math.radians(35.0)
+
+
+def hsv_floor(white: int, yellow: int, *, light: float = 1.0) -> np.ndarray:
+    """Return 200 pixels of grey floor, and of white and yellow tape, in hue, saturation and value."""
+    grey, paper, tape = (0, 10, 80.0 * light), (0, 10, 210.0 * light), (30, 180, 200.0 * light)
+    return np.array([grey] * 200 + [paper] * white + [tape] * yellow, dtype=np.uint8)
+
+
+@pytest.mark.parametrize("light", [0.1, 0.5, 1.2])
+def test_white_begins_between_the_floor_and_the_tape(light: float) -> None:
+    begins = tape_values(hsv_floor(20, 10, light=light))
+    assert 80.0 * light <= begins.white <= 210.0 * light
+    assert 80.0 * light <= begins.yellow <= 200.0 * light
+
+
+def test_a_floor_without_tape_has_no_white_and_yellow_only_above_its_own_value() -> None:
+    assert tape_values(hsv_floor(0, 0)) == (256.0, 80.0)
+
+
+def test_no_floor_in_sight_has_no_tape() -> None:
+    masks = tape_masks(np.zeros((4, 4, 3), np.uint8), tape_values(np.empty((0, 3), np.uint8)))
+    assert not any(mask.any() for mask in masks)
 
 
 def test_a_floor_point_projects_back_to_its_pixel() -> None:

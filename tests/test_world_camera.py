@@ -12,7 +12,7 @@ from fsm_calib.world2d.camera import Renderer, render
 from fsm_calib.world2d.fleet import nominal_camera
 from fsm_calib.world2d.lens import camera_pose, ray_table
 from fsm_calib.world2d.scene import BoardPlacement, MarkerField, SceneSpec, Wall
-from fsm_calib.world2d.sensor import SensorSettings, expose, noise_field
+from fsm_calib.world2d.sensor import Light, SensorSettings, expose, noise_field
 from fsm_calib.world2d.surfaces import board_points_world, build_scene, marker_corners_world
 
 MOUNT = CameraMount(forward=0.07, left=0.004, height=0.112, pitch=math.radians(21.0), roll=0.01, yaw=0.02)
@@ -192,6 +192,17 @@ def test_noise_field_is_standard_normal_and_differs_from_frame_to_frame():
     assert abs(first.std() - 1.0) < 0.02
     assert abs(first.mean()) < 0.02
     assert abs(np.corrcoef(first.ravel(), second.ravel())[0, 1]) < 0.02
+
+
+@pytest.mark.parametrize("brightness", [0.2, 0.6])
+def test_colours_fade_with_the_light_and_keep_their_hue_and_saturation(brightness):
+    yellow = np.full((48, 64, 3), (40, 190, 210), np.uint8)
+    luma, *chroma = cv2.split(cv2.cvtColor(yellow, cv2.COLOR_BGR2YCrCb))
+    light = Light(luma, np.ascontiguousarray(cv2.merge(chroma)[::2, ::2]))
+    camera = CameraModel(np.array([[30.0, 0, 32], [0, 30.0, 24], [0, 0, 1]]), np.zeros(5), 64, 48)
+    plain = {"read_noise": 0.0, "shot_noise": 0.0, "vignette": 0.0, "jpeg_quality": 0}
+    dim = expose(light, camera, SensorSettings(brightness=brightness, **plain), np.random.default_rng(0))
+    assert dim[24, 32] == pytest.approx(yellow[24, 32] * brightness, abs=2.0)
 
 
 def test_exposure_noise_has_the_variance_of_read_and_shot_noise():

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.perception.ground import floor_points
+from fsm_calib.perception.tape_colours import tape_masks, tape_values
 from fsm_calib.types import CameraModel, CameraMount, FloatArray, LanePose
 
 
@@ -56,8 +57,7 @@ class LaneSettings:
 
 
 DEFAULT_LANE = LaneSettings()
-_WHITE = ((0, 0, 150), (180, 60, 255))  # HSV, OpenCV ranges; Duckietown line_detector default.yaml
-_YELLOW = ((22, 90, 90), (38, 255, 255))
+_BLOCK = 8  # px: side of the blocks that tell how bright the floor is, without its noise
 
 
 def observe_lane(
@@ -69,11 +69,29 @@ def observe_lane(
     ----------
     image : array, shape (height, width, 3), uint8, BGR
     """
-    hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
-    white = _floor_pixels(cv2.inRange(hsv, *map(np.array, _WHITE)), camera, mount, settings)
-    yellow = _floor_pixels(cv2.inRange(hsv, *map(np.array, _YELLOW)), camera, mount, settings)
+    hsv = np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), dtype=np.uint8)
+    begins = tape_values(_floor_colours(image, camera, mount, settings))
+    white, yellow = (_floor_pixels(mask, camera, mount, settings) for mask in tape_masks(hsv, begins))
     start = _vote(white, yellow, settings)
     return None if start is None else _refine(white, yellow, start, settings)
+
+
+def _floor_colours(
+    image: NDArray[np.uint8], camera: CameraModel, mount: CameraMount, settings: LaneSettings
+) -> NDArray[np.uint8]:
+    """Return hue, saturation and value (n, 3) of the floor inside the range: means over blocks of the image."""
+    height, width = image.shape[0] // _BLOCK, image.shape[1] // _BLOCK
+    whole = image[: height * _BLOCK, : width * _BLOCK]
+    means = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
+    blocks = np.asarray(cv2.cvtColor(means, cv2.COLOR_BGR2HSV), dtype=np.uint8)
+    rows, columns = np.mgrid[:height, :width].reshape(2, -1)
+    centres = (np.column_stack([columns, rows]) + 0.5) * _BLOCK - 0.5
+    return blocks[rows, columns][_is_in_range(floor_points(centres, camera, mount), settings)]
+
+
+def _is_in_range(points: FloatArray, settings: LaneSettings) -> NDArray[np.bool_]:
+    ahead = (points[:, 0] > settings.nearest) & (points[:, 0] < settings.farthest)
+    return np.asarray(ahead & (np.abs(points[:, 1]) < settings.farthest))
 
 
 def _floor_pixels(
@@ -84,8 +102,7 @@ def _floor_pixels(
     step = max(1, places.size // (4 * settings.most_points))
     rows, columns = np.divmod(places[::step], mask.shape[1])
     points = floor_points(np.column_stack([columns, rows]), camera, mount)
-    ahead = (points[:, 0] > settings.nearest) & (points[:, 0] < settings.farthest)
-    points = points[ahead & (np.abs(points[:, 1]) < settings.farthest)]
+    points = points[_is_in_range(points, settings)]
     return points[:: max(1, len(points) // settings.most_points)]
 
 

@@ -58,7 +58,7 @@ class SensorSettings:
     vignette : float
         Loss of light at the image's corners [1].
     brightness : float
-        Scale of all light [1].
+        Scale of all light [1]; colours fade with it below 1.
     jpeg_quality : int
         Quality of the JPEG, 1 to 100 [1]; 0 leaves JPEG out.
     """
@@ -126,8 +126,16 @@ def expose(light: Light, camera: CameraModel, settings: SensorSettings, rng: np.
     if settings.jpeg_quality > 0:
         _, coded = cv2.imencode(".jpg", luma, [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality])
         luma = np.asarray(cv2.imdecode(coded, cv2.IMREAD_GRAYSCALE))
-    chroma = cv2.resize(light.chroma, (camera.width, camera.height), interpolation=cv2.INTER_LINEAR)
+    chroma = _dimmed(light.chroma, settings.brightness)
+    chroma = cv2.resize(chroma, (camera.width, camera.height), interpolation=cv2.INTER_LINEAR)
     return np.asarray(cv2.cvtColor(cv2.merge([luma, chroma]), cv2.COLOR_YCrCb2BGR))
+
+
+def _dimmed(chroma: Image, brightness: float) -> Image:
+    """Return the colours in a darker room, which fade with the light; in a brighter one they stay, as white is cut."""
+    if brightness >= 1.0:
+        return chroma
+    return np.asarray(cv2.convertScaleAbs(chroma, alpha=brightness, beta=128.0 * (1.0 - brightness)))
 
 
 @lru_cache(maxsize=32)
