@@ -270,6 +270,15 @@ def test_tags_tell_pitch_roll_and_height() -> None:
     assert tilt.height == pytest.approx(MOUNT.height, abs=0.002)
 
 
+@pytest.mark.parametrize("thorough", [False, True])
+@pytest.mark.parametrize("shape", [(32888, 160), (14, 14), (480, 1)])
+def test_a_strip_too_narrow_for_any_board_has_none(shape: tuple[int, int], thorough: bool) -> None:
+    strip = np.random.default_rng(0).integers(0, 255, shape).astype(np.uint8)
+    finding = inspect_board(strip, BOARD, thorough=thorough)
+    assert finding.view is None
+    assert finding.refusal
+
+
 def test_no_tag_is_an_error_with_a_cure() -> None:
     with pytest.raises(DataError, match="no floor tag"):
         estimate_tilt((), CAMERA)

@@ -81,6 +81,7 @@ _FAST = cv2.CALIB_CB_NORMALIZE_IMAGE
 _SECOND = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_FAST_CHECK
 _TWO_LOOKS = (_FAST, _SECOND)
 _THOROUGH = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
+_LEAST_SIDE_PX = 15  # of less OpenCV makes no threshold, and no board is so small
 _ANY_SIZE = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_LARGER
 _STOP_SEARCH = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 30, 0.005)
 
@@ -197,6 +198,8 @@ def _rough_corners(
     them.
     """
     small, scale = _within(gray, settings)
+    if min(small.shape) < _LEAST_SIDE_PX:
+        return None
     for flags in looks:
         found, corners = cv2.findChessboardCorners(small, (board.columns, board.rows), flags=flags)
         if found and corners is not None:
