@@ -137,8 +137,21 @@ def test_a_look_at_the_markers_returns_those_of_its_frame(bench: Bench, monkeypa
 def test_no_marker_and_a_lost_frame_are_told(bench: Bench, monkeypatch) -> None:
     shown(monkeypatch, *[()] * bench.settings.marker.frames)
     assert read_markers(bench) is MARKER_MISSED
-    shown(monkeypatch, FRAME_MISSING)
+    shown(monkeypatch, *[FRAME_MISSING] * bench.settings.marker.frames)
     assert read_markers(bench) is FRAME_MISSING
+
+
+def test_a_frame_that_does_not_come_is_done_without(bench: Bench, monkeypatch) -> None:
+    bench.settings = replace(bench.settings, marker=replace(bench.settings.marker, frames=3))
+    shown(monkeypatch, FRAME_MISSING, (tag(1, 0.30),), (tag(1, 0.32),))
+    (seen,) = read_markers(bench).tags
+    assert seen.distance == pytest.approx(0.31)
+
+
+def test_after_a_frozen_frame_the_ones_before_it_are_not_trusted(bench: Bench, monkeypatch) -> None:
+    bench.settings = replace(bench.settings, marker=replace(bench.settings.marker, frames=3))
+    shown(monkeypatch, (tag(1, 0.3),), (tag(1, 0.3),), FRAME_FROZEN)
+    assert read_markers(bench) is FRAME_FROZEN
 
 
 def test_readings_over_frames_are_medians_and_headings_do_not_wrap(bench: Bench, monkeypatch) -> None:
@@ -295,6 +308,14 @@ def test_a_stretch_out_of_the_field_tells_how_far_markers_reach_ahead(bench: Ben
 def test_a_lost_frame_on_the_way_out_is_told(bench: Bench, monkeypatch) -> None:
     leaves(monkeypatch, FRAME_MISSING)
     assert drive_off(bench) is FRAME_MISSING
+
+
+def test_after_a_lost_frame_the_robot_looks_again_before_it_drives_on(bench: Bench, monkeypatch) -> None:
+    before = (tag(1, 0.3), tag(2, 0.45))
+    bench.notebook.reading, bench.notebook.unseen = MarkerReading(before, 0.0, 0.0), True
+    leaves(monkeypatch, before)
+    assert drive_off(bench).trigger == "marker_seen"
+    assert bench.robot.asked == []
 
 
 @pytest.mark.parametrize(("moved", "is_blocked"), [(0.9, True), (1.1, False)])

@@ -7,6 +7,7 @@ import math
 import pytest
 
 from fsm_calib.actions import Bench, wheel_runs, with_published
+from fsm_calib.actions.looking import FRAME_FROZEN
 from fsm_calib.actions.notebook import MarkerReading, WheelRun
 from fsm_calib.actions.settings import ActionSettings
 from fsm_calib.actions.wheel_runs import drive_back, drive_forward, learn_yaw, update_ratio
@@ -81,6 +82,13 @@ def test_a_way_back_that_ends_elsewhere_tells_an_obstacle_where_no_marker_told_t
     bench.notebook.is_length_told = told
     monkeypatch.setattr(wheel_runs, "look_at_markers", lambda bench: sight)
     assert drive_back(bench).trigger == trigger
+
+
+def test_a_camera_that_froze_on_the_way_back_is_no_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench, sights = bench_after_a_drive(back_at=0.3), [(), FRAME_FROZEN]
+    bench.notebook.is_length_told = False
+    monkeypatch.setattr(wheel_runs, "look_at_markers", lambda bench: sights.pop(0))
+    assert drive_back(bench).trigger == "drive_finished"
 
 
 def test_as_published_nothing_looks_for_obstacles() -> None:

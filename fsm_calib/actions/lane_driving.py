@@ -8,7 +8,7 @@ from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.lane_lag import NO_LAG, predict
 from fsm_calib.actions.lane_standing import Stretch, why_standing
 from fsm_calib.actions.leaving import speed_of
-from fsm_calib.actions.looking import look
+from fsm_calib.actions.looking import FRAME_MISSING, look
 from fsm_calib.actions.markers import camera_of, tags_in
 from fsm_calib.actions.moving import CLOCKWISE
 from fsm_calib.actions.settings import LaneSettings
@@ -41,14 +41,18 @@ def seek_lane(bench: Bench) -> Outcome:
 def follow_lane(bench: Bench) -> Outcome:
     """Follow the lane for one stretch; stop when the lane is lost, the reserved marker is near or the robot stands.
 
-    The wheels keep their last command between two stretches.
+    The wheels keep their last command between two stretches. Where no frame comes the robot stops and looks again;
+    a stretch without any frame is a loss.
     """
     settings, pose, stretch = bench.settings.lane, None, Stretch(bench.settings)
     for _ in range(settings.looks):
         frame = look(bench)
         if isinstance(frame, Outcome):
-            bench.robot.command(STOP)
-            return frame
+            _steer(bench, STOP)
+            if frame is not FRAME_MISSING:
+                return frame
+            stretch = Stretch(bench.settings)
+            continue
         first = _first_marker(bench, tags_in(bench, frame))
         if first is not None:
             return _arrive(bench, first)
@@ -64,8 +68,9 @@ def follow_lane(bench: Bench) -> Outcome:
         bench.robot.wait(settings.period)
     if stretch.stands():
         return why_standing(bench)
-    evidence = {"d": pose.d, "phi": pose.phi} if pose is not None else {}
-    return Outcome("lane_followed", evidence, "One more stretch in the lane.")
+    if pose is None:
+        return FRAME_MISSING
+    return Outcome("lane_followed", {"d": pose.d, "phi": pose.phi}, "One more stretch in the lane.")
 
 
 def _steer(bench: Bench, command: WheelCommand) -> None:

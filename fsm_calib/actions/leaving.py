@@ -14,17 +14,18 @@ from fsm_calib.types import STOP, TagObservation
 def drive_off(bench: Bench) -> Outcome:
     """Drive straight for one stretch with the k found, then look for markers.
 
-    When the last look showed none, the robot stays where it is and looks again.
+    When the last look showed none, or no frame came, the robot stays where it is and looks again.
     """
     settings, notebook = bench.settings.drive, bench.notebook
     before = notebook.reading.tags if notebook.reading is not None else ()
-    if not notebook.field_left:
+    drives = not notebook.field_left and not notebook.unseen
+    if drives:
         drive(bench, settings.stretch / speed_of(bench), notebook.wheel_ratio)
         notebook.marker_ahead = _farthest(before, notebook.marker_ahead) - settings.stretch
     after = look_at_markers(bench)
     if isinstance(after, Outcome):
         return after
-    if not notebook.field_left and _stands(before, after, settings.moved_share * settings.stretch):
+    if drives and _stands(before, after, settings.moved_share * settings.stretch):
         return DRIVE_BLOCKED
     notebook.field_left = not after
     if not after:

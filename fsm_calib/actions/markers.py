@@ -12,7 +12,7 @@ from statistics import median
 import numpy as np
 
 from fsm_calib.actions.bench import Bench
-from fsm_calib.actions.looking import look
+from fsm_calib.actions.looking import FRAME_MISSING, look
 from fsm_calib.actions.notebook import MarkerReading
 from fsm_calib.errors import DataError
 from fsm_calib.outcome import Outcome
@@ -78,13 +78,21 @@ def look_at_markers(bench: Bench) -> tuple[TagObservation, ...] | Outcome:
 
 
 def read_markers(bench: Bench) -> MarkerReading | Outcome:
-    """Measure the markers at rest over several frames: medians per marker; the loss when there is none."""
+    """Measure the markers at rest over several frames: medians per marker, of those that half of the frames show.
+
+    Frames that do not come are done without; where no marker is left of the others, that is told. After a frozen frame
+    the ones before it are not to be trusted.
+    """
     settings, start = bench.settings.marker, bench.robot.now()
     tags_by_number: dict[int, list[TagObservation]] = {}
+    missed = MARKER_MISSED
     for number in range(settings.frames):
         if number:
             bench.robot.wait(bench.settings.turn.quantum)
         tags = look_at_markers(bench)
+        if tags is FRAME_MISSING:
+            missed = FRAME_MISSING
+            continue
         if isinstance(tags, Outcome):
             return tags
         for tag in tags:
@@ -92,7 +100,7 @@ def read_markers(bench: Bench) -> MarkerReading | Outcome:
                 tags_by_number.setdefault(tag.tag_id, []).append(tag)
     medians = [_median_tag(group) for group in tags_by_number.values() if 2 * len(group) >= settings.frames]
     if not medians:
-        return MARKER_MISSED
+        return missed
     nearest_first = tuple(sorted(medians, key=lambda tag: tag.distance))
     return MarkerReading(nearest_first, heading_of(bench, nearest_first), start)
 

@@ -138,11 +138,17 @@ def _ended_elsewhere(bench: Bench) -> bool:
 
 
 def _has_lost_its_start(bench: Bench) -> bool:
-    """Whether a frame shows the first markers of the last drive elsewhere, or none of them."""
-    tags = look_at_markers(bench)
-    if isinstance(tags, Outcome) or bench.settings.ratio.equation == "published":
-        return False  # a lost frame is told by the next look
-    return _is_elsewhere(bench, tags) is not False
+    """Whether two frames show the first markers of the last drive elsewhere, or none of them.
+
+    The first frame of a camera that froze on the way shows the way; the second one is then the same.
+    """
+    if bench.settings.ratio.equation == "published":
+        return False
+    for _ in range(2):
+        tags = look_at_markers(bench)
+        if isinstance(tags, Outcome) or _is_elsewhere(bench, tags) is False:
+            return False  # a lost frame is told by the next look
+    return True
 
 
 def _is_elsewhere(bench: Bench, tags: Sequence[TagObservation]) -> bool | None:
