@@ -1,5 +1,8 @@
 """ROS 1 bags, ROS 2 bags and MCAP files."""
 
+import sqlite3
+from contextlib import closing
+
 import numpy as np
 import pytest
 from recording_samples import every_channel
@@ -94,6 +97,15 @@ def test_what_a_bags_reader_says_ends_with_one_full_stop(tmp_path):
     (tmp_path / "drive.bag").write_bytes(b"no bag")
     with pytest.raises(InputError, match=r"cut short: [^.]*[^. ]\. Record it again"):
         read_recording(tmp_path / "drive.bag")
+
+
+def test_a_time_that_is_no_number_is_refused(tmp_path):
+    write_duckietown(tmp_path / "bot", StoragePlugin.SQLITE3)
+    (table,) = (tmp_path / "bot").glob("*.db3")
+    with closing(sqlite3.connect(table)) as opened, opened:
+        opened.execute("UPDATE messages SET timestamp = x'00ff' WHERE id = 2")
+    with pytest.raises(InputError, match="is no whole number"):
+        read_recording(tmp_path / "bot")
 
 
 def test_truncated_mcap_is_refused(tmp_path):

@@ -7,11 +7,12 @@ md5 is then another than the bag's, and rosbags refuses the bag. A second pair o
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Generator, Sequence
 from pathlib import Path
 from typing import Any
 
 from rosbags.highlevel import AnyReader
+from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Reader as Reader1
 from rosbags.typesys.store import Typestore
 
@@ -41,3 +42,18 @@ class BagReader(AnyReader):
         super().__init__(paths, default_typestore=default_typestore)
         if not self.is2:
             self.readers = [_KeepingReader(path) for path in paths]
+
+    def messages(
+        self, connections: Collection[Connection] = (), start: int | None = None, stop: int | None = None
+    ) -> Generator[tuple[Connection, int, bytes], None, None]:
+        """Yield connection, time of recording [ns] and raw message, of all connections or some, from `start` to `stop`.
+
+        Raises
+        ------
+        ValueError
+            A time is no whole number: a table of SQLite takes anything.
+        """
+        for connection, stamp, raw in super().messages(connections, start, stop):
+            if not isinstance(stamp, int):
+                raise ValueError(f"the time of a message of {connection.topic} is no whole number")
+            yield connection, stamp, raw
