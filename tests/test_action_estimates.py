@@ -300,6 +300,7 @@ def test_the_notebook_survives_json():
         marker_map={300: Pose2(1.0, 2.0, 3.0)},
         tilt_readings=[(0.3, 0.0, 0.11)],
         panorama=rng.integers(0, 255, (24, 385), dtype=np.uint8),
+        start_panorama=rng.integers(0, 255, (24, 385), dtype=np.uint8),
         frame_mark=12345,
     )
     once = json.loads(json.dumps(notebook.to_state()))
@@ -307,6 +308,7 @@ def test_the_notebook_survives_json():
     assert json.loads(json.dumps(back.to_state())) == once
     assert back.marker_map == notebook.marker_map
     np.testing.assert_array_equal(back.panorama, notebook.panorama)
+    np.testing.assert_array_equal(back.start_panorama, notebook.start_panorama)
 
 
 def test_an_unknown_published_behaviour_names_the_nearest():

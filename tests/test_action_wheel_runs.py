@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from fsm_calib.actions import Bench, wheel_runs, with_published
@@ -82,6 +83,19 @@ def test_a_way_back_that_ends_elsewhere_tells_an_obstacle_where_no_marker_told_t
     bench.notebook.is_length_told = told
     monkeypatch.setattr(wheel_runs, "look_at_markers", lambda bench: sight)
     assert drive_back(bench).trigger == trigger
+
+
+def test_a_robot_that_is_back_by_its_picture_lost_the_markers_and_not_its_way(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    bench = bench_after_a_drive(back_at=0.3)
+    bench.notebook.is_length_told = False
+    bench.notebook.start_panorama = np.random.default_rng(1).integers(0, 255, (24, 385), dtype=np.uint8)
+    bench.notebook.panorama = np.roll(bench.notebook.start_panorama, 8, axis=1)
+    monkeypatch.setattr(wheel_runs, "look_at_markers", lambda bench: ())
+    assert drive_back(bench).trigger == "drive_finished"
+    bench.notebook.panorama = np.random.default_rng(2).integers(0, 255, (24, 385), dtype=np.uint8)
+    assert drive_back(bench).trigger == "robot_blocked"
 
 
 def test_a_camera_that_froze_on_the_way_back_is_no_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:

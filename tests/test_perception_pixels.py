@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from fsm_calib.actions.settings_moving import DriveSettings
 from fsm_calib.errors import DataError
 from fsm_calib.perception import chessboard
 from fsm_calib.perception.board_order import canonical_order, half_turned
@@ -23,6 +24,7 @@ from fsm_calib.perception.sharpness import block_dct, sharpness
 from fsm_calib.perception.tags import find_tags
 from fsm_calib.perception.tape_colours import tape_masks, tape_values
 from fsm_calib.perception.tilt import estimate_tilt
+from fsm_calib.perception.turning import likeness_above, panorama
 from fsm_calib.types import BoardSpec, CameraMount, Pose2
 from fsm_calib.world2d.camera import Renderer
 from fsm_calib.world2d.fleet import nominal_camera
@@ -289,6 +291,20 @@ def test_a_tag_that_does_not_lie_on_the_floor_is_left_out() -> None:
     detections = find_tags(photo(area(), pose))
     tipped = replace(MOUNT, pitch=MOUNT.pitch + math.radians(20.0))
     assert observe_tags(detections, CAMERA, tipped) == ()
+
+
+@pytest.mark.parametrize(
+    ("moved", "blur", "is_same"),
+    [(Pose2(0.05, 0.03, 0.06), 0.6, True), (Pose2(0.05, 0.03, 0.06), 5.0, True), (Pose2(-0.6), 0.6, False)],
+)
+def test_what_stands_far_off_tells_whether_the_robot_is_back(
+    moved: Pose2, blur: float, is_same: bool
+) -> None:
+    start = Pose2(area().spec.field.first_x + 0.22, 0.0, math.pi)
+    without_markers = build_scene(replace(calibration_area(), field=None), np.random.default_rng(1))
+    before, after = photo(area(), start), photo(without_markers, start.then(moved), 1, defocus=blur)
+    likeness = likeness_above(panorama(before), panorama(after))
+    assert (likeness >= DriveSettings().same_place) is is_same
 
 
 @pytest.mark.parametrize(("d", "phi"), [(0.0, 0.0), (0.05, -0.2), (-0.04, 0.25)])

@@ -164,6 +164,8 @@ class Notebook:
         The last stretch of the exit ended with no marker in sight.
     panorama, frame_mark : array, int
         The last frame, small, and its check sum.
+    start_panorama : array or None
+        The last frame before the last drive forward, small.
     unseen : bool
         The last move was not looked at, because the camera gave no frame.
     """
@@ -206,6 +208,7 @@ class Notebook:
     field_left: bool = False
     panorama: NDArray[np.uint8] | None = None
     frame_mark: int | None = None
+    start_panorama: NDArray[np.uint8] | None = None
     unseen: bool = False
 
     def to_state(self) -> dict[str, Any]:
@@ -223,7 +226,8 @@ class Notebook:
         state["views"] = [view_state(view) for view in self.views]
         state["progress"] = progress_state(self.progress)
         state["camera"] = camera_state(self.camera)
-        state["panorama"] = pack(self.panorama)
+        for name in ("panorama", "start_panorama"):
+            state[name] = pack(state[name])
         return state
 
     @classmethod
@@ -244,7 +248,8 @@ class Notebook:
             values[name] = [MarkerReading.from_state(item) for item in values[name]]
         values["marker_map"] = {int(number): Pose2(*pose) for number, pose in values["marker_map"].items()}
         values["reading"] = MarkerReading.from_state(values["reading"]) if values["reading"] else None
-        values["panorama"] = unpack(values["panorama"])
+        for name in ("panorama", "start_panorama"):
+            values[name] = unpack(values[name])
         return cls(**values)
 
 

@@ -97,6 +97,9 @@ class DriveSettings:
     least_shift : float
         Markers that moved by less than this between two starts tell no obstacle [m]: the camera's yaw, learnt
         in between, moves them by as much as 0.04.
+    same_place : float
+        Pictures that are this alike above the horizon are of one place [1]: rendered ones within 6 cm and 4 deg,
+        markers gone or the picture blurred, are alike by 0.87 and more, ones 0.5 m apart by 0.67 and less.
     straight_within : float
         A drive that turned by more than this tells nothing of where the camera looks [rad].
     """
@@ -115,4 +118,5 @@ class DriveSettings:
     one_wheel_mismatch: float = 0.9
     reached_share: float = 0.6
     least_shift: float = 0.10
+    same_place: float = 0.77
     straight_within: float = 0.5

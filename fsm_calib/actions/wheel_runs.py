@@ -15,6 +15,7 @@ from fsm_calib.actions.notebook import MarkerReading, WheelRun
 from fsm_calib.actions.ratio import combined_ratio, run_from_readings
 from fsm_calib.actions.turning import DRIVE_BLOCKED, WHEEL_STALLED
 from fsm_calib.outcome import Outcome
+from fsm_calib.perception.turning import likeness_above
 from fsm_calib.types import Pose2, TagObservation
 
 
@@ -32,6 +33,7 @@ def drive_forward(bench: Bench) -> Outcome:
     notebook.last_duration = _duration(bench)
     notebook.last_ratio = notebook.wheel_ratio
     notebook.is_length_told = True
+    notebook.start_panorama = notebook.panorama
     settings = bench.settings
     while True:
         drive(bench, notebook.last_duration, notebook.last_ratio)
@@ -48,8 +50,8 @@ def drive_forward(bench: Bench) -> Outcome:
 def drive_back(bench: Bench) -> Outcome:
     """Drive back for as long as the last drive forward, with the k that it used.
 
-    After a drive whose length no marker told, a way back that ends elsewhere, by the markers it began with: the
-    robot was held up on the way there.
+    After a drive whose length no marker told, a way back that ends elsewhere, by the markers it began with, or by the
+    picture where there is none: the robot was held up on the way there.
     """
     notebook = bench.notebook
     drive(bench, notebook.last_duration, notebook.last_ratio, backward=True)
@@ -138,7 +140,7 @@ def _ended_elsewhere(bench: Bench) -> bool:
 
 
 def _has_lost_its_start(bench: Bench) -> bool:
-    """Whether two frames show the first markers of the last drive elsewhere, or none of them.
+    """Whether two frames show the first markers of the last drive elsewhere, or none of them and another place.
 
     The first frame of a camera that froze on the way shows the way; the second one is then the same.
     """
@@ -146,9 +148,20 @@ def _has_lost_its_start(bench: Bench) -> bool:
         return False
     for _ in range(2):
         tags = look_at_markers(bench)
-        if isinstance(tags, Outcome) or _is_elsewhere(bench, tags) is False:
+        if isinstance(tags, Outcome):
             return False  # a lost frame is told by the next look
+        is_elsewhere = _is_elsewhere(bench, tags)
+        if is_elsewhere is False or (is_elsewhere is None and _looks_as_at_start(bench)):
+            return False
     return True
+
+
+def _looks_as_at_start(bench: Bench) -> bool:
+    """Whether what stands far off looks as it did before the last drive: then it is the markers that are not seen."""
+    before, after = bench.notebook.start_panorama, bench.notebook.panorama
+    if before is None or after is None:
+        return False
+    return likeness_above(before, after) >= bench.settings.drive.same_place
 
 
 def _is_elsewhere(bench: Bench, tags: Sequence[TagObservation]) -> bool | None:

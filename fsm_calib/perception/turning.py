@@ -72,6 +72,23 @@ def turn_between(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> Turn:
     return Turn(shift * COLUMN, likeness, math.sqrt(still), _autocorrelation(second - first))
 
 
+def likeness_above(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> float:
+    """Return how alike two panoramas are above the horizon, after the turn that makes them most alike [1].
+
+    It is their correlation: 1 for the same, 0 for what has nothing in common. What stands above the horizon is far, so
+    that it looks alike from places near one another, whatever lies on the floor.
+    """
+    rows = slice(0, int(np.count_nonzero(np.linspace(HIGHEST, LOWEST, ROWS) >= 0.0)))
+    first, second = _without_means(before[rows]), _without_means(after[rows])
+    reach = round(LARGEST_TURN / COLUMN)
+    costs = _costs(first, second, reach)
+    best = int(np.argmin(costs))
+    left, right = max(best - reach, 0), max(reach - best, 0)
+    power = float(np.mean(first[:, right : first.shape[1] - left] ** 2))
+    power += float(np.mean(second[:, left : second.shape[1] - right] ** 2))
+    return 1.0 - float(costs[best]) / power if power > 0.0 else 0.0
+
+
 def _autocorrelation(difference: NDArray[np.float32]) -> float:
     """Return the correlation of a difference (rows, columns) with itself `APART` to the side; 0 where there is none."""
     power, apart = float(np.mean(difference * difference)), round(APART / COLUMN)
