@@ -18,6 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
+from fsm_calib.commands.files import check_places, write_file
 from fsm_calib.commands.help import WholeSentences
 from fsm_calib.commands.machine import tell_checked
 from fsm_calib.commands.options import EffectsOption, MachinesOption, machinery_of
@@ -103,7 +104,9 @@ def _options(
 def validate(
     scenario: Annotated[
         Path | None,
-        typer.Argument(help="A scenario, a study or a recording's manifest.", show_default=False),
+        typer.Argument(
+            metavar="FILE", help="A scenario, a study or a recording's manifest.", show_default=False
+        ),
     ] = None,
     effects: EffectsOption = None,
     machines: MachinesOption = None,
@@ -119,7 +122,10 @@ def validate(
     if machines is not None:
         tell_checked(machinery, machines)
     elif scenario is None:
-        raise InputError("nothing to check", cure="Give a scenario or study file, or --machines FILE.py.")
+        raise InputError(
+            "nothing to check",
+            cure="Give a scenario, a study, a recording's manifest, or --machines FILE.py.",
+        )
     if scenario is None:
         return
     if is_recording(scenario):
@@ -136,7 +142,9 @@ def validate(
 
 @app.command()
 def schema(
-    out: Annotated[Path | None, typer.Option(help="Write to this file instead of standard output.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write to this file instead of standard output.")
+    ] = None,
     study: Annotated[bool, typer.Option("--study", help="The schema of study files instead.")] = False,
     recording: Annotated[
         bool, typer.Option("--recording", help="The schema of recordings' manifests instead.")
@@ -148,11 +156,16 @@ def schema(
     from fsm_calib.scenario.schema import schema_text
     from fsm_calib.study.schema import study_schema_text
 
+    if study and recording:
+        raise InputError(
+            "two schemas are asked for", where="--study", cure="Leave out --study or --recording."
+        )
+    check_places(out)
     text = manifest_schema_text() if recording else study_schema_text() if study else schema_text()
     if out is None:
         typer.echo(text, nl=False)
     else:
-        out.write_text(text, encoding="utf-8")
+        write_file(out, text)
 
 
 for _variable in LINEAR_ALGEBRA_THREADS:

@@ -27,7 +27,7 @@ def register(app: typer.Typer) -> None:
 
 def demo(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Where the page and the drives go.")] = DEFAULT_OUT,
-    seed: Annotated[int, typer.Option(min=0, help="Another seed hides another wheel.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, metavar="N", help="Another seed hides another wheel.")] = 0,
     is_opened: Annotated[
         bool, typer.Option("--open/--no-open", help="Open the page in a browser (on a terminal only).")
     ] = True,
@@ -117,9 +117,9 @@ def _story(plain: dict[str, Any], hidden: float) -> list[str]:
 
 
 def init(
-    file: Annotated[Path, typer.Argument(help="The scenario to write.", show_default=True)] = Path(
-        "my_robot.yaml"
-    ),
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="The scenario to write.", show_default=True)
+    ] = Path("my_robot.yaml"),
     like: Annotated[
         str, typer.Option("--from", metavar="NAME", help="The shipped scenario to begin with.")
     ] = "full_calibration",

@@ -39,7 +39,9 @@ def register(app: typer.Typer) -> None:
 def calibrate_camera(
     images: Annotated[
         list[Path] | None,
-        typer.Argument(help="Photos, folders or videos of one board by one camera.", show_default=False),
+        typer.Argument(
+            metavar="IMAGE", help="Photos, folders or videos of one board by one camera.", show_default=False
+        ),
     ] = None,
     board: Annotated[
         list[str] | None,
@@ -51,28 +53,46 @@ def calibrate_camera(
     ] = None,
     square: Annotated[
         float,
-        typer.Option(help="Side of a square or tag, or pitch of circles [m]; it scales distances only."),
+        typer.Option(
+            metavar="METRES",
+            help="Side of a square or tag, or pitch of circles [m]; it scales distances only.",
+        ),
     ] = 0.025,
-    kind: Annotated[str, typer.Option(help=f"What is printed: {', '.join(_KINDS)}.")] = _KINDS[0],
+    kind: Annotated[
+        str, typer.Option(metavar="KIND", help=f"What is printed: {', '.join(_KINDS)}.")
+    ] = _KINDS[0],
     marker: Annotated[
-        float | None, typer.Option(help="Side of a ChArUco marker [m]; 0.75 squares.", show_default=False)
+        float | None,
+        typer.Option(
+            metavar="METRES", help="Side of a ChArUco marker [m]; 0.75 squares.", show_default=False
+        ),
     ] = None,
-    dictionary: Annotated[str, typer.Option(help="A ChArUco board's markers.")] = "DICT_4X4_1000",
-    gap: Annotated[float, typer.Option(help="AprilGrid: gap between tags, in sides of a tag.")] = 0.3,
+    dictionary: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="A ChArUco board's markers (default: DICT_4X4_1000)."),
+    ] = None,
+    gap: Annotated[
+        float | None,
+        typer.Option(metavar="SHARE", help="AprilGrid: gap between tags, in sides of a tag (default: 0.3)."),
+    ] = None,
     coefficients: Annotated[
-        int | None, typer.Option(help="Use so many (4, 5 or 8) and do not choose.", show_default=False)
+        int | None,
+        typer.Option(metavar="N", help="Use so many (4, 5 or 8) and do not choose.", show_default=False),
     ] = None,
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the result as JSON; - for standard output.")
+        Path | None,
+        typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Write the camera as YAML, in the form of --format.")
+        Path | None, typer.Option(metavar="FILE", help="Write the camera as YAML, in the form of --format.")
     ] = None,
-    form: Annotated[str, typer.Option("--format", help="ros, duckietown, opencv or kalibr.")] = "ros",
+    form: Annotated[
+        str, typer.Option("--format", metavar="FORM", help="ros, duckietown, opencv or kalibr.")
+    ] = "ros",
     report: Annotated[
-        Path | None, typer.Option(help="Write a page with the error map and residuals.")
+        Path | None, typer.Option(metavar="FILE", help="Write a page with the error map and residuals.")
     ] = None,
-    name: Annotated[str, typer.Option(help="Name of the camera in the YAML.")] = "camera",
+    name: Annotated[str, typer.Option(metavar="NAME", help="Name of the camera in the YAML.")] = "camera",
     compare: Annotated[
         tuple[Path, Path] | None,
         typer.Option(metavar="A.yaml B.yaml", help="Compare two cameras' files instead.", show_default=False),
@@ -181,9 +201,16 @@ def _origin(result: CameraCalibration) -> str:
 
 
 def focus(
-    images: Annotated[list[Path], typer.Argument(help="Photos, or one folder.", show_default=False)],
+    images: Annotated[
+        list[Path], typer.Argument(metavar="IMAGE", help="Photos, or one folder.", show_default=False)
+    ],
     watch: Annotated[
-        float, typer.Option(help="With a folder: wait this long [s] for each new photo.", show_default=False)
+        float,
+        typer.Option(
+            metavar="SECONDS",
+            help="With a folder: wait this long [s] for each new photo.",
+            show_default=False,
+        ),
     ] = 0.0,
 ) -> None:
     """Tell the sharpness of each photo and the best so far; with --watch, of a folder that fills."""

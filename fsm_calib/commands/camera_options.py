@@ -48,25 +48,39 @@ def camera_writer(form: str) -> Callable[[CameraModel, str, str], str]:
 
 
 def parse_request(
-    texts: Sequence[str], square: float, kind: str, marker: float | None, gap: float, dictionary: str
+    texts: Sequence[str],
+    square: float,
+    kind: str,
+    marker: float | None,
+    gap: float | None,
+    dictionary: str | None,
 ) -> BoardRequest:
-    """Return the board that the options name.
+    """Return the board that the options name; None leaves what is usual.
 
     Raises
     ------
     InputError
-        As `parse_board`; an unknown kind, or a gap that no grid has.
+        As `parse_board`; an unknown kind, a gap that no grid has, or an option of another kind of board.
     """
     from fsm_calib.perception.grid_boards import KINDS, BoardRequest
 
     named = next((one for one in KINDS if one == kind), None)
     if named is None:
         raise UnknownNameError("kind of board", kind, KINDS, where="--kind")
-    if not 0.0 < gap < 10.0:
+    for option, value, owner in (
+        ("marker", marker, "charuco"),
+        ("dictionary", dictionary, "charuco"),
+        ("gap", gap, "aprilgrid"),
+    ):
+        if value is not None and owner != named:
+            cure = f"Leave it out, or give --kind {owner}."
+            raise InputError(f"this is of boards of the kind {owner}", where=f"--{option}", cure=cure)
+    if gap is not None and not 0.0 < gap < 10.0:
         raise InputError(f"a gap of {gap} sides", where="--gap", cure="Kalibr's tagSpacing, such as 0.3.")
     smallest = 1 if named == "aprilgrid" else 3
     spec = parse_board(texts, square, smallest)
-    return BoardRequest(named, spec.columns, spec.rows, square, marker, gap, dictionary)
+    usual = BoardRequest(named, spec.columns, spec.rows, square, marker)
+    return replace(usual, gap=gap or usual.gap, dictionary=dictionary or usual.dictionary)
 
 
 def parse_board(texts: Sequence[str], square: float, smallest: int = 3) -> BoardSpec:

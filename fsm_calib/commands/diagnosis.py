@@ -20,7 +20,7 @@ from fsm_calib.commands.given import (
     named_by,
     recordings_given,
 )
-from fsm_calib.commands.next_drive import area_of, write_plan
+from fsm_calib.commands.next_drive import next_drive_of, write_plan
 from fsm_calib.commands.options import EffectsOption
 from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.errors import UnknownNameError
@@ -49,8 +49,8 @@ def diagnose_command(
     report: options.ReportOption = None,
     export: options.ExportOption = None,
     plan: options.PlanOption = None,
-    area: options.AreaOption = "2x2",
-    longest: options.LongestOption = 40.0,
+    area: options.AreaOption = None,
+    longest: options.LongestOption = None,
     seed: options.SeedOption = 0,
     tag_map: TagMapFile = None,
     effects: EffectsOption = None,
@@ -61,7 +61,7 @@ def diagnose_command(
 ) -> None:
     """Compare recordings with the simulation: locate the mismatch, name the physics, show the fit improve."""
     _refuse_wrong_use(without or (), (json_file, world), (report, export, plan))
-    floor = area_of(area)
+    wanted = next_drive_of(plan, area, longest)
     given = world if world is not None and world.exists() else None
     called = _simulator(simulator)
     physics = _physics(given, bool(against or called))
@@ -77,8 +77,8 @@ def diagnose_command(
     tell_result(plain, "\n".join(summary_lines(plain)), json_file)
     _write_world(result, None if given is not None else world, report)
     _write_export(result, export)
-    if plan is not None:
-        write_plan(result, floor, longest, plan, seed)
+    if wanted is not None:
+        write_plan(result, wanted, seed)
 
 
 @dataclass(frozen=True)

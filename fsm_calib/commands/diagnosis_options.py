@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 Recordings = Annotated[
-    list[str], typer.Argument(metavar="RECORDING...", help="Manifests, folders, bags or .mcap files.")
+    list[str], typer.Argument(metavar="RECORDING", help="Manifests, folders, bags or .mcap files.")
 ]
 HoldoutOption = Annotated[
     list[str] | None, typer.Option(metavar="RECORDING", help="Judge the result on this one; repeatable.")
@@ -54,9 +54,16 @@ PlanOption = Annotated[
     typer.Option(metavar="DIR", help="Design the next drive, and write it to this folder to be played."),
 ]
 AreaOption = Annotated[
-    str, typer.Option(metavar="WxD", help="Free floor for the next drive [m], the start in its middle.")
+    str | None,
+    typer.Option(
+        metavar="WxD",
+        help="With --plan: free floor for the next drive [m], the start in its middle (default: 2x2).",
+    ),
 ]
 LongestOption = Annotated[
-    float, typer.Option(metavar="SECONDS", help="Longest next drive.", min=2.0, max=300.0)
+    float | None,
+    typer.Option(
+        metavar="SECONDS", help="With --plan: longest next drive (default: 40).", min=2.0, max=300.0
+    ),
 ]
-SeedOption = Annotated[int, typer.Option(help="Seed of the significance test.")]
+SeedOption = Annotated[int, typer.Option(metavar="N", help="Seed of the significance test.")]

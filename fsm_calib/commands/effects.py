@@ -22,7 +22,7 @@ def register(app: typer.Typer) -> None:
 
 def effects_command(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="NAME...", help="These alone.", show_default=False)
+        list[str] | None, typer.Argument(metavar="NAME", help="These alone.", show_default=False)
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
     effects: EffectsOption = None,

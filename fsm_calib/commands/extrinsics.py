@@ -26,11 +26,14 @@ def register(app: typer.Typer) -> None:
 
 def calibrate_floor(
     image: Annotated[
-        Path, typer.Argument(help="A photo, not rectified, of a board flat on the floor ahead.")
+        Path,
+        typer.Argument(metavar="IMAGE", help="A photo, not rectified, of a board flat on the floor ahead."),
     ],
-    camera: Annotated[Path, typer.Option(help="The camera_info YAML of the camera.", show_default=False)],
+    camera: Annotated[
+        Path, typer.Option(metavar="FILE", help="The camera_info YAML of the camera.", show_default=False)
+    ],
     board: Annotated[list[str], typer.Option(help="Inner corners: across x ahead.", metavar="7x5")] = ["7x5"],  # noqa: B006
-    square: Annotated[float, typer.Option(help="Side of a square [m].")] = 0.031,
+    square: Annotated[float, typer.Option(metavar="METRES", help="Side of a square [m].")] = 0.031,
     offset: Annotated[
         tuple[float, float],
         typer.Option(
@@ -38,9 +41,12 @@ def calibrate_floor(
         ),
     ] = (0.16, -0.124),
     json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the result as JSON; - for standard output.")
+        Path | None,
+        typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Write Duckietown's extrinsic YAML.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write Duckietown's extrinsic YAML.")
+    ] = None,
 ) -> None:
     """Tell where the camera sits and where it looks, from one photo of a board on the floor."""
     from fsm_calib.perception.camera_files import read_intrinsics, read_projection, write_extrinsics

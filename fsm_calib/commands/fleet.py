@@ -22,7 +22,7 @@ def register(app: typer.Typer) -> None:
 def fleet_command(
     places: Annotated[
         list[str],
-        typer.Argument(metavar="BAG_OR_DIR...", help="A robot each, or a folder of robots' folders."),
+        typer.Argument(metavar="BAG_OR_DIR", help="A robot each, or a folder of robots' folders."),
     ],
     jobs: JobsOption = None,
     out: Annotated[

@@ -33,7 +33,14 @@ def register(app: typer.Typer) -> None:
 
 
 def investigate_command(
-    scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)],
+    scenario: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="A scenario file, or the name of one that is shipped.",
+            show_default=False,
+        ),
+    ],
     robot: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="A real robot: ros1:// or dtps://HOST[:PORT]/VEHICLE."),
@@ -55,15 +62,16 @@ def investigate_command(
         typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Where files go (default: the next free of out, out-2, ...).")
+        Path | None,
+        typer.Option(metavar="DIR", help="Where files go (default: the next free of out, out-2, ...)."),
     ] = None,
     resume: Annotated[
-        Path | None, typer.Option(help="Go on with the investigation in this directory.")
+        Path | None, typer.Option(metavar="DIR", help="Go on with the investigation in this directory.")
     ] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")
     ] = False,
-    seed: Annotated[int | None, typer.Option(help="Another seed than the scenario's.")] = None,
+    seed: Annotated[int | None, typer.Option(metavar="N", help="Another seed than the scenario's.")] = None,
     calibrate: Annotated[
         Path | None,
         typer.Option(metavar="SCENARIO", help="Then drive this calibration in the improved world."),

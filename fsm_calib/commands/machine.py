@@ -26,6 +26,7 @@ def diagrams(
     out: Annotated[
         Path | None,
         typer.Option(
+            metavar="DIR",
             help="Where the diagrams are (default: diagrams, or NAME-diagrams for a FILE.py).",
             show_default=False,
         ),

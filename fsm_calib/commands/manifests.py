@@ -13,7 +13,7 @@ LONGEST_HEAD = 4096  # characters in which a manifest names its format
 
 
 def init_command(
-    files: Annotated[list[Path], typer.Argument(metavar="BAG|CSV...", help="One bag, or CSV files.")],
+    files: Annotated[list[Path], typer.Argument(metavar="BAG|CSV", help="One bag, or CSV files.")],
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="The manifest; default NAME.recording.yaml.")
     ] = None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,33 @@ if TYPE_CHECKING:
     from fsm_calib.diagnosis.diagnose import Diagnosis
 
 SMALLEST, LARGEST = 0.6, 50.0  # m: a side of the floor; below it a robot only turns on the spot
+USUAL_FLOOR, USUAL_LONGEST = "2x2", 40.0
+"""Free floor [m] and longest drive [s] where nobody says otherwise."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """The next drive that is asked for: the free floor, its longest time [s], the folder that it goes to."""
+
+    area: Area
+    longest: float
+    folder: Path
+
+
+def next_drive_of(plan: Path | None, area: str | None, longest: float | None) -> Wanted | None:
+    """Return the next drive that the options ask for; None where none is.
+
+    Raises
+    ------
+    InputError
+        The floor is none (`area_of`), or something is said of a drive that nobody asked for.
+    """
+    if plan is not None:
+        return Wanted(area_of(area or USUAL_FLOOR), longest or USUAL_LONGEST, plan)
+    for option, value in (("--area", area), ("--longest", longest)):
+        if value is not None:
+            raise InputError("this is of the next drive", where=option, cure="Give --plan DIR, too.")
+    return None
 
 
 def area_of(text: str) -> Area:
@@ -36,7 +64,7 @@ def area_of(text: str) -> Area:
     return Area(-0.5 * width, 0.5 * width, -0.5 * depth, 0.5 * depth)
 
 
-def write_plan(diagnosis: Diagnosis, area: Area, longest: float, folder: Path, seed: int) -> None:
+def write_plan(diagnosis: Diagnosis, wanted: Wanted, seed: int) -> None:
     """Design the drive that would settle most, say what it promises, and write it."""
     import numpy as np
 
@@ -45,12 +73,13 @@ def write_plan(diagnosis: Diagnosis, area: Area, longest: float, folder: Path, s
     from fsm_calib.report.next_drive import write_next_drive
 
     belief = belief_of(diagnosis.decision)
-    plan = design(belief, area, area.centre, np.random.default_rng(seed), played(longest))
+    area = wanted.area
+    plan = design(belief, area, area.centre, np.random.default_rng(seed), played(wanted.longest))
     if isinstance(plan, NoDrive):
         typer.echo(f"next drive: none. {nothing_to_learn(belief.sureness)}")
         return
     recording = diagnosis.decision.engine.simulators[0].prepared.recording
-    written = write_next_drive(plan, area, recording, belief.full_speed, folder)
+    written = write_next_drive(plan, area, recording, belief.full_speed, wanted.folder)
     width, depth = area.size
     promise = plan.forecast
     typer.echo(

@@ -51,11 +51,17 @@ def machinery_of(file: Path | None) -> Machinery:
 
 
 JobsOption = Annotated[
-    int | None, typer.Option("--jobs", help="Robots at a time (default: all cores).", show_default=False)
+    int | None,
+    typer.Option("--jobs", metavar="N", help="Robots at a time (default: all cores).", show_default=False),
 ]
-BackendOption = Annotated[str, typer.Option("--backend", help="loky, threading, dask or ray.")]
+BackendOption = Annotated[
+    str, typer.Option("--backend", metavar="NAME", help="loky, threading, dask or ray.")
+]
 AddressOption = Annotated[
-    str | None, typer.Option("--address", help="Scheduler of a Dask or Ray cluster.", show_default=False)
+    str | None,
+    typer.Option(
+        "--address", metavar="ADDRESS", help="Scheduler of a Dask or Ray cluster.", show_default=False
+    ),
 ]
 """Where many robots are worked on; `study.backends.crew_of` checks them."""
 

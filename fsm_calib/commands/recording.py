@@ -38,7 +38,7 @@ def register(app: typer.Typer) -> None:
 
 def identify_command(
     recordings: Annotated[
-        list[str], typer.Argument(metavar="RECORDING...", help="Manifests, bags or .mcap files.")
+        list[str], typer.Argument(metavar="RECORDING", help="Manifests, bags or .mcap files.")
     ],
     json_file: Annotated[
         Path | None,

@@ -29,14 +29,23 @@ def register(app: typer.Typer) -> None:
 
 @robot_app.command()
 def serve(
-    scenario: Annotated[Path, typer.Argument(help="A scenario file.", show_default=False)],
-    host: Annotated[str, typer.Option(help="Where to listen.")] = "127.0.0.1",
+    scenario: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="A scenario file, or the name of one that is shipped.",
+            show_default=False,
+        ),
+    ],
+    host: Annotated[str, typer.Option(metavar="HOST", help="Where to listen.")] = "127.0.0.1",
     port: Annotated[
         int | None,
-        typer.Option(help="Port of the ROS master (11311) or switchboard (11511).", show_default=False),
+        typer.Option(
+            metavar="PORT", help="Port of the ROS master (11311) or switchboard (11511).", show_default=False
+        ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(help="Another seed than the scenario's.", show_default=False)
+        int | None, typer.Option(metavar="N", help="Another seed than the scenario's.", show_default=False)
     ] = None,
     lockstep: Annotated[
         bool, typer.Option("--lockstep", help="Let time pass only when a client asks for it.")

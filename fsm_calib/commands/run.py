@@ -31,17 +31,27 @@ def register(app: typer.Typer) -> None:
 
 def run(
     scenario: Annotated[
-        Path, typer.Argument(help="A scenario file, or the name of one that is shipped.", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="A scenario file, or the name of one that is shipped.",
+            show_default=False,
+        ),
     ],
     out: Annotated[
         Path | None,
-        typer.Option(help="Where files go (default: the next free of out, out-2, ...).", show_default=False),
+        typer.Option(
+            metavar="DIR",
+            help="Where files go (default: the next free of out, out-2, ...).",
+            show_default=False,
+        ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(help="Another seed than the scenario's.", show_default=False)
+        int | None, typer.Option(metavar="N", help="Another seed than the scenario's.", show_default=False)
     ] = None,
     resume: Annotated[
-        Path | None, typer.Option(help="Go on with the run in this directory.", show_default=False)
+        Path | None,
+        typer.Option(metavar="DIR", help="Go on with the run in this directory.", show_default=False),
     ] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")

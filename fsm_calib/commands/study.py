@@ -23,22 +23,32 @@ def register(app: typer.Typer) -> None:
 
 
 def study(
-    scenario: Annotated[Path, typer.Argument(help="A study file.", show_default=False)],
+    scenario: Annotated[
+        Path,
+        typer.Argument(
+            metavar="STUDY", help="A study file, or the name of one that is shipped.", show_default=False
+        ),
+    ],
     robots: Annotated[
-        int | None, typer.Option(help="Another number of robots than the file's.", show_default=False)
+        int | None,
+        typer.Option(metavar="N", help="Another number of robots than the file's.", show_default=False),
     ] = None,
     jobs: JobsOption = None,
     out: Annotated[
         Path | None,
         typer.Option(
-            help="Where files go (default: out/study/NAME); what is there goes on.", show_default=False
+            metavar="DIR",
+            help="Where files go (default: out/study/NAME); what is there goes on.",
+            show_default=False,
         ),
     ] = None,
     backend: BackendOption = "loky",
     address: AddressOption = None,
     page: Annotated[
         Path | None,
-        typer.Option(help="Also renew this study's section of a Markdown page.", show_default=False),
+        typer.Option(
+            metavar="FILE", help="Also renew this study's section of a Markdown page.", show_default=False
+        ),
     ] = None,
     effects: EffectsOption = None,
 ) -> None:

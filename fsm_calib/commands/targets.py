@@ -24,10 +24,13 @@ def register(app: typer.Typer) -> None:
 
 def targets(
     scenario: Annotated[
-        Path, typer.Argument(help="Whose area: a scenario file, or the name of one that is shipped.")
+        Path,
+        typer.Argument(
+            metavar="SCENARIO", help="Whose area: a scenario file, or the name of one that is shipped."
+        ),
     ] = Path("full_calibration"),
     out: Annotated[Path, typer.Option(metavar="DIR", help="Where the files go.")] = Path("targets"),
-    paper: Annotated[str, typer.Option(help="a4 or a3.")] = "a4",
+    paper: Annotated[str, typer.Option(metavar="SHEET", help="a4 or a3.")] = "a4",
 ) -> None:
     """Write boards, floor tags and the area as PDF at true scale, and a plan of what lies where."""
     from fsm_calib.commands.begin import make_folder

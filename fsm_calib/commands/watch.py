@@ -25,7 +25,7 @@ def register(app: typer.Typer) -> None:
 def watch(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="The --out folder of a run.")],
     port: Annotated[
-        int, typer.Option(min=0, max=65535, help="Port of the page; 0 for one that is free.")
+        int, typer.Option(min=0, max=65535, metavar="PORT", help="Port of the page; 0 for one that is free.")
     ] = 0,
     is_opened: Annotated[
         bool, typer.Option("--open/--no-open", help="Open the page in a browser (on a terminal only).")
