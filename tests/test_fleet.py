@@ -3,6 +3,7 @@
 import csv
 import json
 
+import numpy as np
 import pytest
 from diagnosis_robots import recording
 from typer.testing import CliRunner
@@ -11,7 +12,10 @@ from fsm_calib.cli import app
 from fsm_calib.errors import InputError
 from fsm_calib.fleet.folders import robots_in
 from fsm_calib.fleet.run import worst_first
+from fsm_calib.recording import Recording, TwistTrack
+from fsm_calib.recording.untold import why_no_pull
 from fsm_calib.recording.writers import write_recording
+from fsm_calib.report.fleet import cells, fleet_page
 
 GAINS_LEFT = {"little": 0.62, "much": 0.70, "left": 0.58}
 """Speed of the left wheel at command 1 [m/s]; the right one has 0.61."""
@@ -93,6 +97,16 @@ def test_recording_that_changed_is_read_again(robots, tmp_path):
         file.write("\n")
     again = fleet(robots / "left", "--out", tmp_path)
     assert "0 of 1 robots are there" in again.stderr
+
+
+def test_speeds_of_the_robot_tell_no_pull_and_the_cure_is_said():
+    twist = TwistTrack(np.array([0.0, 6.0]), np.array([0.2, 0.1]), np.array([0.3, -0.6]))
+    assert "record the wheels' own commands" in why_no_pull([Recording(twist=twist)])
+
+
+def test_the_page_says_why_no_pull_is_told():
+    row = {"robot": "duckie", "recordings": ["a"], "straight": None, "trim": None, "untold": "no commands"}
+    assert "not told: no commands" in fleet_page([cells(row)])
 
 
 def test_fleet_of_broken_recordings_fails_with_the_reason(robots, tmp_path):

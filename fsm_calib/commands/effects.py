@@ -46,7 +46,8 @@ def effect_lines(row: dict[str, Any]) -> list[str]:
     said = [row["equation"]]
     for p in row["parameters"]:
         low, high = p["bounds"]
-        said.append(f"{p['name']} [{p['unit']}], nothing at {p['null']:g}, {low:g} to {high:g}")
+        usual = "nothing at" if p["strength"] else "default"
+        said.append(f"{p['name']} [{p['unit']}], {usual} {p['null']:g}, {low:g} to {high:g}")
     said.append(f"shows in {', '.join(row['channels'])}; {row['separates']}")
     lines = textwrap.wrap(f"{row['name']} ({row['family']}): {row['summary']}", WIDTH, subsequent_indent="  ")
     for text in said:

@@ -62,7 +62,8 @@ def _lines(row: dict) -> list[str]:  # type: ignore[type-arg]
     """Return what is said of a robot."""
     if "error" in row:
         return [f"{row['robot']}: no answer: {row['error']['reason']}"]
-    lines = [f"{row['robot']}: {row['sentence'] or 'the recordings do not tell where it pulls'}"]
+    untold = f"where it pulls is not told: {row.get('untold', '')}"
+    lines = [f"{row['robot']}: {row['sentence'] or untold}"]
     if verdict := row.get("diagnosis"):
         names = ", ".join(effect["name"] for effect in verdict["effects"])
         lines.append(f"  {verdict['verdict'] or 'not diagnosed'}: {names or verdict['reason']}")

@@ -64,6 +64,7 @@ def identify_command(
     """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
     from fsm_calib.diagnosis.identify.identify import identify
     from fsm_calib.diagnosis.identify.straight import straight_sentence, wheel_calibration
+    from fsm_calib.recording.untold import why_no_pull
 
     check_places(json_file, out)
     loaded, _ = recordings_given(recordings, tag_map=tag_map, named=named_by(command, pose, wheels, urdf))
@@ -76,8 +77,9 @@ def identify_command(
         result = identify_in_world(loaded, physics_of(world))
     plain = result.to_json()
     calibration = None if out is None else wheel_calibration(result, loaded)
-    said = [f"{plain['robot']} {sentence}"] if (sentence := straight_sentence(result, loaded)) else []
-    tell_result(plain, "\n".join([*_lines(plain), *said]), json_file)
+    pulls = straight_sentence(result, loaded)
+    said = f"{plain['robot']} {pulls}" if pulls else f"where it pulls is not told: {why_no_pull(loaded)}"
+    tell_result(plain, "\n".join([*_lines(plain), said]), json_file)
     if out is not None and calibration is not None:
         _write_kinematics(out, calibration, recordings)
 

@@ -66,6 +66,7 @@ def identified(recordings: list[Recording]) -> dict[str, Any]:
     from fsm_calib.diagnosis.identify.identify import identify
     from fsm_calib.diagnosis.identify.straight import pull_of, straight_sentence, wheel_calibration
     from fsm_calib.errors import DataError
+    from fsm_calib.recording.untold import why_no_pull
 
     found = identify(recordings)
     pull = pull_of(found, recordings)
@@ -82,6 +83,7 @@ def identified(recordings: list[Recording]) -> dict[str, Any]:
         "straight": straight,
         "trim": trim,
         "sentence": straight_sentence(found, recordings),
+        "untold": "" if pull is not None else why_no_pull(recordings),
         "identify": found.to_json(),
     }
 

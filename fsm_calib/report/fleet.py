@@ -24,7 +24,7 @@ def write_fleet(rows: Sequence[dict[str, Any]], directory: Path) -> list[Path]:
     """Write ``fleet.csv`` and ``index.html`` into a folder; return both. The rows come worst first."""
     table = [cells(row) for row in rows]
     text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer = csv.DictWriter(text, COLUMNS, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows(table)
     contents = {"fleet.csv": text.getvalue(), "index.html": fleet_page(table)}
@@ -44,7 +44,7 @@ def fleet_page(table: Sequence[dict[str, Any]]) -> str:
 
 
 def cells(row: dict[str, Any]) -> dict[str, str]:
-    """Return a robot's row as text by `COLUMNS`; what is not told is empty."""
+    """Return a robot's row as text by `COLUMNS`, what is not told empty, and beside them why it is not (`untold`)."""
     straight, trim = row.get("straight") or {}, row.get("trim") or {}
     diagnosis = row.get("diagnosis") or {}
     ratio = row.get("identify", {}).get("wheel_ratio") or {}
@@ -64,6 +64,7 @@ def cells(row: dict[str, Any]) -> dict[str, str]:
         "names": refused or "; ".join(names),
         "recordings": str(len(row["recordings"])),
         "error": shown(row["error"]["reason"]) if "error" in row else "",
+        "untold": row.get("untold", ""),
     }
 
 
