@@ -11,8 +11,21 @@ import numpy as np
 import typer
 
 from fsm_calib.commands.camera_compare import compare_cameras
-from fsm_calib.commands.camera_options import camera_writer, parse_request, solve_settings
+from fsm_calib.commands.camera_options import (
+    BOARD_KINDS,
+    BoardOption,
+    CoefficientsOption,
+    DictionaryOption,
+    GapOption,
+    KindOption,
+    MarkerOption,
+    SquareOption,
+    camera_writer,
+    parse_request,
+    solve_settings,
+)
 from fsm_calib.commands.files import check_places, tell_result, write_file
+from fsm_calib.commands.options import JsonOption
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.types import BoardSpec
 
@@ -20,13 +33,6 @@ if TYPE_CHECKING:
     from fsm_calib.perception.calibration import CameraCalibration
     from fsm_calib.perception.photos import PhotoSet
 
-_KINDS = (
-    "chessboard",
-    "charuco",
-    "aprilgrid",
-    "circles",
-    "asymmetric_circles",
-)  # as in perception.grid_boards
 _POLL = 0.2  # s between two looks into a folder that fills
 
 
@@ -43,46 +49,14 @@ def calibrate_camera(
             metavar="IMAGE", help="Photos, folders or videos of one board by one camera.", show_default=False
         ),
     ] = None,
-    board: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="COLUMNSxROWS: a chessboard's inner corners, ChArUco's squares, tags or circles.",
-            metavar="9x6",
-            show_default=False,
-        ),
-    ] = None,
-    square: Annotated[
-        float,
-        typer.Option(
-            metavar="METRES",
-            help="Side of a square or tag, or pitch of circles [m]; it scales distances only.",
-        ),
-    ] = 0.025,
-    kind: Annotated[
-        str, typer.Option(metavar="KIND", help=f"What is printed: {', '.join(_KINDS)}.")
-    ] = _KINDS[0],
-    marker: Annotated[
-        float | None,
-        typer.Option(
-            metavar="METRES", help="Side of a ChArUco marker [m]; 0.75 squares.", show_default=False
-        ),
-    ] = None,
-    dictionary: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="A ChArUco board's markers (default: DICT_4X4_1000)."),
-    ] = None,
-    gap: Annotated[
-        float | None,
-        typer.Option(metavar="SHARE", help="AprilGrid: gap between tags, in sides of a tag (default: 0.3)."),
-    ] = None,
-    coefficients: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Use so many (4, 5 or 8) and do not choose.", show_default=False),
-    ] = None,
-    json_file: Annotated[
-        Path | None,
-        typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
-    ] = None,
+    board: BoardOption = None,
+    square: SquareOption = 0.025,
+    kind: KindOption = BOARD_KINDS[0],
+    marker: MarkerOption = None,
+    dictionary: DictionaryOption = None,
+    gap: GapOption = None,
+    coefficients: CoefficientsOption = None,
+    json_file: JsonOption = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the camera as YAML, in the form of --format.")
     ] = None,

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.types import BoardSpec, CameraModel
@@ -13,6 +15,46 @@ from fsm_calib.types import BoardSpec, CameraModel
 if TYPE_CHECKING:
     from fsm_calib.perception.grid_boards import BoardRequest
     from fsm_calib.perception.solve_settings import SolveSettings
+
+BOARD_KINDS = (
+    "chessboard",
+    "charuco",
+    "aprilgrid",
+    "circles",
+    "asymmetric_circles",
+)  # as in perception.grid_boards
+BoardOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="COLUMNSxROWS: a chessboard's inner corners, ChArUco's squares, tags or circles.",
+        metavar="9x6",
+        show_default=False,
+    ),
+]
+SquareOption = Annotated[
+    float,
+    typer.Option(
+        metavar="METRES",
+        help="Side of a square or tag, or pitch of circles [m]; it scales distances only.",
+    ),
+]
+KindOption = Annotated[str, typer.Option(metavar="KIND", help=f"What is printed: {', '.join(BOARD_KINDS)}.")]
+MarkerOption = Annotated[
+    float | None,
+    typer.Option(metavar="METRES", help="Side of a ChArUco marker [m]; 0.75 squares.", show_default=False),
+]
+DictionaryOption = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="A ChArUco board's markers (default: DICT_4X4_1000)."),
+]
+GapOption = Annotated[
+    float | None,
+    typer.Option(metavar="SHARE", help="AprilGrid: gap between tags, in sides of a tag (default: 0.3)."),
+]
+CoefficientsOption = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Use so many (4, 5 or 8) and do not choose.", show_default=False),
+]
 
 
 def solve_settings(coefficients: int | None) -> SolveSettings:

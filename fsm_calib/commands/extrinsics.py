@@ -12,6 +12,7 @@ import typer
 
 from fsm_calib.commands.camera_options import parse_board
 from fsm_calib.commands.files import check_places, tell_result
+from fsm_calib.commands.options import JsonOption
 from fsm_calib.errors import InputError
 
 if TYPE_CHECKING:
@@ -40,10 +41,7 @@ def calibrate_floor(
             help="From the axle's middle to the board's near right corner: ahead, left [m].", metavar="X Y"
         ),
     ] = (0.16, -0.124),
-    json_file: Annotated[
-        Path | None,
-        typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
-    ] = None,
+    json_file: JsonOption = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write Duckietown's extrinsic YAML.")
     ] = None,

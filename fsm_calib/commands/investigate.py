@@ -10,7 +10,17 @@ import typer
 
 from fsm_calib.commands.files import STANDARD_OUTPUT, check_places, write_file
 from fsm_calib.commands.given import recordings_given
-from fsm_calib.commands.options import EffectsOption
+from fsm_calib.commands.options import (
+    EffectsOption,
+    JsonOption,
+    OutOption,
+    OverwriteOption,
+    ResumeOption,
+    RobotOption,
+    ScenarioArgument,
+    SeedOption,
+    YesOption,
+)
 from fsm_calib.commands.run import read_scenario, with_seed
 from fsm_calib.commands.run_place import run_directory
 from fsm_calib.commands.safety import confirm
@@ -33,18 +43,8 @@ def register(app: typer.Typer) -> None:
 
 
 def investigate_command(
-    scenario: Annotated[
-        Path,
-        typer.Argument(
-            metavar="SCENARIO",
-            help="A scenario file, or the name of one that is shipped.",
-            show_default=False,
-        ),
-    ],
-    robot: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="A real robot: ros1:// or dtps://HOST[:PORT]/VEHICLE."),
-    ] = None,
+    scenario: ScenarioArgument,
+    robot: RobotOption = None,
     given: Annotated[
         list[str] | None,
         typer.Option("--from", metavar="RECORDING", help="Go on from this recording; repeatable."),
@@ -57,26 +57,16 @@ def investigate_command(
         float | None,
         typer.Option(metavar="SECONDS", help="Robot time, in place of the scenario's.", min=10.0, max=7200.0),
     ] = None,
-    json_file: Annotated[
-        Path | None,
-        typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Where files go (default: the next free of out, out-2, ...)."),
-    ] = None,
-    resume: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Go on with the investigation in this directory.")
-    ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")
-    ] = False,
-    seed: Annotated[int | None, typer.Option(metavar="N", help="Another seed than the scenario's.")] = None,
+    json_file: JsonOption = None,
+    out: OutOption = None,
+    resume: ResumeOption = None,
+    overwrite: OverwriteOption = False,
+    seed: SeedOption = None,
     calibrate: Annotated[
         Path | None,
         typer.Option(metavar="SCENARIO", help="Then drive this calibration in the improved world."),
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real robot's wheels turn.")] = False,
+    yes: YesOption = False,
     effects: EffectsOption = None,
 ) -> None:
     """Drive, diagnose, and design the next drive, until it is settled what the simulation is missing."""

@@ -20,6 +20,33 @@ def _add_effects(files: list[Path] | None) -> list[Path] | None:
     return files
 
 
+ScenarioArgument = Annotated[
+    Path,
+    typer.Argument(
+        metavar="SCENARIO", help="A scenario file, or the name of one that is shipped.", show_default=False
+    ),
+]
+OutOption = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Where files go (default: the next free of out, out-2, ...)."),
+]
+ResumeOption = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Go on with what was begun in this directory.")
+]
+OverwriteOption = Annotated[
+    bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")
+]
+SeedOption = Annotated[int | None, typer.Option(metavar="N", help="Another seed than the scenario's.")]
+RobotOption = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="A real robot instead: ros1:// or dtps://HOST[:PORT]/VEHICLE."),
+]
+YesOption = Annotated[bool, typer.Option("--yes", help="Do not ask before a real robot's wheels turn.")]
+JsonOption = Annotated[
+    Path | None,
+    typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
+]
+
 MachinesOption = Annotated[
     Path | None,
     typer.Option(

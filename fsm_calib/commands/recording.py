@@ -20,7 +20,7 @@ from fsm_calib.commands.given import (
 )
 from fsm_calib.commands.help import WholeSentences
 from fsm_calib.commands.manifests import init_command
-from fsm_calib.commands.options import EffectsOption
+from fsm_calib.commands.options import EffectsOption, JsonOption
 from fsm_calib.errors import shown
 from fsm_calib.report import digits
 
@@ -40,10 +40,7 @@ def identify_command(
     recordings: Annotated[
         list[str], typer.Argument(metavar="RECORDING", help="Manifests, bags or .mcap files.")
     ],
-    json_file: Annotated[
-        Path | None,
-        typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
-    ] = None,
+    json_file: JsonOption = None,
     world: Annotated[
         Path | None,
         typer.Option(

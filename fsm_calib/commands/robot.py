@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from fsm_calib.commands.help import WholeSentences
+from fsm_calib.commands.options import ScenarioArgument, SeedOption
 from fsm_calib.errors import InputError, LinkLost
 
 if TYPE_CHECKING:
@@ -29,14 +30,7 @@ def register(app: typer.Typer) -> None:
 
 @robot_app.command()
 def serve(
-    scenario: Annotated[
-        Path,
-        typer.Argument(
-            metavar="SCENARIO",
-            help="A scenario file, or the name of one that is shipped.",
-            show_default=False,
-        ),
-    ],
+    scenario: ScenarioArgument,
     host: Annotated[str, typer.Option(metavar="HOST", help="Where to listen.")] = "127.0.0.1",
     port: Annotated[
         int | None,
@@ -44,9 +38,7 @@ def serve(
             metavar="PORT", help="Port of the ROS master (11311) or switchboard (11511).", show_default=False
         ),
     ] = None,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Another seed than the scenario's.", show_default=False)
-    ] = None,
+    seed: SeedOption = None,
     lockstep: Annotated[
         bool, typer.Option("--lockstep", help="Let time pass only when a client asks for it.")
     ] = False,

@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fsm_calib.commands.options import EffectsOption, MachinesOption, machinery_of
+from fsm_calib.commands.options import (
+    EffectsOption,
+    MachinesOption,
+    OutOption,
+    OverwriteOption,
+    ResumeOption,
+    RobotOption,
+    ScenarioArgument,
+    SeedOption,
+    YesOption,
+    machinery_of,
+)
 from fsm_calib.commands.run_place import run_directory
 from fsm_calib.commands.safety import confirm
 from fsm_calib.commands.watch import watched
@@ -30,41 +41,13 @@ def register(app: typer.Typer) -> None:
 
 
 def run(
-    scenario: Annotated[
-        Path,
-        typer.Argument(
-            metavar="SCENARIO",
-            help="A scenario file, or the name of one that is shipped.",
-            show_default=False,
-        ),
-    ],
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Where files go (default: the next free of out, out-2, ...).",
-            show_default=False,
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Another seed than the scenario's.", show_default=False)
-    ] = None,
-    resume: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Go on with the run in this directory.", show_default=False),
-    ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the files of an earlier run in the directory.")
-    ] = False,
-    robot: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="A real robot instead: ros1:// or dtps://HOST[:PORT]/VEHICLE.",
-            show_default=False,
-        ),
-    ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before a real robot's wheels turn.")] = False,
+    scenario: ScenarioArgument,
+    out: OutOption = None,
+    seed: SeedOption = None,
+    resume: ResumeOption = None,
+    overwrite: OverwriteOption = False,
+    robot: RobotOption = None,
+    yes: YesOption = False,
     effects: EffectsOption = None,
     machines: MachinesOption = None,
     watch: Annotated[bool, typer.Option("--watch", help="Serve a page that shows the run.")] = False,
