@@ -76,8 +76,14 @@ def next_drive_page(plan: Plan, area: Area, robot: str, bags: bool = True) -> st
         robot=robot,
         bags=bags,
         size=f"{width:g} x {depth:g} m",
+        margin=area.margin,
         figure=Markup(plan_view(plan, area)),
     )
+
+
+def _words(name: str) -> str:
+    """Return an effect's name as words."""
+    return name.replace("_", " ")
 
 
 def plan_view(plan: Plan, area: Area, label: str = "Plan of the next drive") -> str:
@@ -95,12 +101,12 @@ def plan_view(plan: Plan, area: Area, label: str = "Plan of the next drive") -> 
     for disc in area.obstacles:
         rim = np.column_stack([disc.x + disc.radius * np.cos(turn), disc.y + disc.radius * np.sin(turn)])
         axes.areas([rim], "#d73027", 0.5)
-    axes.line(plan.path[:, :2], BOARD_COLOURS[0], 2.2, label=f"expected if {plan.outlooks[0].label}")
+    axes.line(plan.path[:, :2], BOARD_COLOURS[0], 2.2, label=f"expected if {_words(plan.outlooks[0].label)}")
     picked = plan.path[:: max(int(ARROW_EVERY / PATH_STEP), 1)]
     axes.arrows(picked[:, :2], picked[:, 2], 0.06, INK)
     for number, outlook in enumerate(plan.outlooks[1:4], start=1):
         end = np.array([[outlook.end.x, outlook.end.y]])
-        axes.crosses(end, BOARD_COLOURS[number], label=f"ends here if {outlook.label}")
+        axes.crosses(end, BOARD_COLOURS[number], label=f"ends here if {_words(outlook.label)}")
     start = np.array([[plan.start.x, plan.start.y]])
     axes.dots(start, INK, 8.0)
     axes.words(plan.start.x - 0.06, plan.start.y + 0.06, "begin here", TEXT)
