@@ -87,6 +87,7 @@ def physics(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         if effect is None:
             continue
         numbers = [f"{key} = {digits.estimate(e.value, e.sd, e.unit)}" for key, e in named.parameters.items()]
+        closure = effect.closure(named.closure) if named.closure and len(effect.closures) > 1 else None
         found.append(
             {
                 "key": effect.name,
@@ -94,8 +95,9 @@ def physics(diagnosis: Diagnosis) -> list[dict[str, Any]]:
                 "summary": effect.summary,
                 "separates": effect.separates,
                 "equation": effect.equation,
+                "closure": f"{closure.name}: {closure.summary}" if closure else "",
                 "numbers": numbers,
-                "source": effect.source,
+                "source": (closure.source if closure else "") or effect.source,
             }
         )
     return found

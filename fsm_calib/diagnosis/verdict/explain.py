@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.fitting.fit import Fit
@@ -93,14 +94,28 @@ def base_estimates(fit: Fit) -> dict[str, Estimate]:
     return found
 
 
+@dataclass(frozen=True, slots=True)
+class _Number:
+    """An estimate as it stands in a sentence: with its sign, or as a size with the word that says it."""
+
+    estimate: Estimate
+
+    def __format__(self, words: str) -> str:
+        """Return ``-0.03 ± 0.001 m``; with words ``ahead|behind`` of plus and minus ``0.03 ± 0.001 m behind``."""
+        value, unit = self.estimate.value, "" if self.estimate.unit == "1" else f" {self.estimate.unit}"
+        spread = f" ± {self.estimate.sd:.1g}" if math.isfinite(self.estimate.sd) else ""
+        if not words:
+            return f"{value:.3g}{spread}{unit}"
+        plus, _, minus = words.partition("|")
+        return f"{abs(value):.3g}{spread}{unit} {minus if value < 0.0 else plus}"
+
+
 def sentence(effect: Effect, numbers: dict[str, Estimate], closure: str = "") -> str:
     """Return the sentence of an effect's closure with its numbers; empty: the effect's own."""
     said = {}
     for p in effect.parameters:
         e = numbers.get(p.name) or numbers.get(f"{p.name}_1") or Estimate(p.null, math.nan, p.unit)
-        unit = "" if e.unit == "1" else f" {e.unit}"
-        spread = f" ± {e.sd:.1g}" if math.isfinite(e.sd) else ""
-        said[p.name] = f"{e.value:.3g}{spread}{unit}"
+        said[p.name] = _Number(e)
     own = effect.closure(closure).sentence if closure else ""
     return (own or effect.sentence).format(**said)
 

@@ -25,7 +25,7 @@ class Closure:
     summary : str
         One line: what it says beyond the effect's own summary.
     sentence : str
-        The report's line, with ``{parameter}`` for fitted values; empty: the effect's.
+        The report's line, as that of an effect (`Effect`); empty: the effect's.
     source : str
         Where its equation comes from; empty: the effect's.
     fixes : mapping of str to float

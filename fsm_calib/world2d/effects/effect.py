@@ -72,8 +72,9 @@ class Effect:
     `equation` is one line of text (the module's docstring explains it); `channels` and `regimes` say where it
     shows; `family` groups effects that a report may name together when it cannot decide; `rivals` are the
     names it is easily taken for, `separates` says what tells them apart and `manoeuvre` which drive shows it;
-    `sentence` is the report's line, with ``{parameter}`` for fitted values; `where`, `when`, `acts_on`, `reads`,
-    `inexact`, `universal`, `phenomenon` and `closures`: see the module's text; `memory` counts the state slots that the
+    `sentence` is the report's line, with ``{parameter}`` for fitted values, ``{parameter:ahead|behind}`` where a word
+    says the sign; `where`, `when`, `acts_on`, `reads`, `inexact`,
+    `universal`, `phenomenon` and `closures`: see the module's text; `memory` counts the state slots that the
     step hook keeps; `order` sorts hooks within a stage (small first); `input` says which drives can show it: any,
     commands (measured wheel speeds have their motors behind them), commanded twists, or drives whose wheels were
     measured by us or by the robot's own controller; `jumps` says that the pose itself jumps at the edge of a place;

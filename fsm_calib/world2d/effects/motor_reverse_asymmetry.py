@@ -72,7 +72,7 @@ EFFECT = Effect(
     separates="changes with the sign of each wheel's command only, at all speeds and places alike",
     rivals=("coulomb_friction", "carpet_nap", "floor_tilt", "motor_gain_curve"),
     manoeuvre="the same straight forwards and backwards, and spins both ways",
-    sentence="Backwards the motors give {loss} less speed than forwards.",
+    sentence="Backwards the motors give {loss:less|more} speed than forwards.",
     source="Hughes & Drury, Electric Motors and Drives, 5th ed., section 3.2",
     closures=(
         Closure("both alike", ("loss",), "the same loss on both sides"),

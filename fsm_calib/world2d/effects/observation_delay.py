@@ -78,7 +78,7 @@ EFFECT = Effect(
     separates="encoders: early against the poses when only the camera is late",
     rivals=("command_delay", "clock_drift", "gear_backlash"),
     manoeuvre="fast steps and slaloms with encoders, or a visible signal at the moment of a command",
-    sentence="Poses are stamped {delay} late.",
+    sentence="Poses are stamped {delay:late|early}.",
     source="Rehder et al., ICRA 2016",
     closures=(
         Closure("constant", ("delay",), "every pose by as much"),

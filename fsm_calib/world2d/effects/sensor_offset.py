@@ -39,7 +39,7 @@ EFFECT = Effect(
     separates="the measured point circles when the robot spins in place, and nothing shows on straights",
     rivals=("sensor_yaw", "misplaced_marker", "lateral_slip", "payload_offset"),
     manoeuvre="spins in place both ways",
-    sentence="The measured point lies {x} ahead and {y} left of the axle's centre.",
+    sentence="The measured point lies {x:ahead|behind} and {y:left|right} of the axle's centre.",
     source="lever arm of a sensor",
     order=10,
 )

@@ -30,7 +30,7 @@ EFFECT = Effect(
     separates="crabs in proportion to the speed, everywhere, also on straights",
     rivals=("sensor_offset", "misplaced_marker", "lateral_slip"),
     manoeuvre="straights forwards and backwards on two headings",
-    sentence="The measured heading is turned by {yaw}.",
+    sentence="The measured heading is turned by {yaw:to the left|to the right}.",
     source="hand-eye calibration",
     order=20,
 )
