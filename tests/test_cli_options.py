@@ -38,9 +38,9 @@ def test_what_is_said_of_a_next_drive_that_nobody_asked_for_is_refused(option):
 
 
 @pytest.mark.parametrize("option", [("--marker", "0.02"), ("--dictionary", "DICT_5X5_50"), ("--gap", "0.2")])
-def test_an_option_of_another_kind_of_board_is_refused(option):
+def test_an_option_of_another_kind_of_board_is_told_to_do_nothing(option):
     said = refused("calibrate-camera", "x.png", "--board", "9x6", *option)
-    assert said.startswith(f"fsm-calib: {option[0]}: this is of boards of the kind ")
+    assert said.startswith(f"{option[0]} does nothing: it is of boards of the kind ")
 
 
 def test_two_schemas_at_once_are_refused():

@@ -102,7 +102,7 @@ def parse_request(
     Raises
     ------
     InputError
-        As `parse_board`; an unknown kind, a gap that no grid has, or an option of another kind of board.
+        As `parse_board`; an unknown kind, or a gap that no grid has.
     """
     from fsm_calib.perception.grid_boards import KINDS, BoardRequest
 
@@ -115,8 +115,7 @@ def parse_request(
         ("gap", gap, "aprilgrid"),
     ):
         if value is not None and owner != named:
-            cure = f"Leave it out, or give --kind {owner}."
-            raise InputError(f"this is of boards of the kind {owner}", where=f"--{option}", cure=cure)
+            typer.echo(f"--{option} does nothing: it is of boards of the kind {owner}, not {named}", err=True)
     if gap is not None and not 0.0 < gap < 10.0:
         raise InputError(f"a gap of {gap} sides", where="--gap", cure="Kalibr's tagSpacing, such as 0.3.")
     smallest = 1 if named == "aprilgrid" else 3

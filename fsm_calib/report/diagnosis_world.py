@@ -8,7 +8,6 @@ import yaml
 
 from fsm_calib.diagnosis.diagnose import Diagnosis
 from fsm_calib.diagnosis.fitting.fit import Fit
-from fsm_calib.report import digits
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -46,9 +45,7 @@ def world_text(diagnosis: Diagnosis) -> str:
             "# wheel speeds were measured: the motors' strength is not known, the nominal one is taken"
         )
     lines.append("# the base robot as fitted:")
-    lines += [
-        f"#   {key}: {digits.estimate(e.value, e.sd, e.unit)}" for key, e in diagnosis.verdict.base.items()
-    ]
+    lines += [f"#   {key}: {e.value:.6g} ± {e.sd:.2g} {e.unit}" for key, e in diagnosis.verdict.base.items()]
     return "\n".join(lines) + "\n" + yaml.safe_dump(body, sort_keys=False)
 
 
