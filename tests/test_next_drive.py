@@ -1,6 +1,7 @@
 """The next drive as files: commands that can be played, a page, and what `diagnose --plan` says."""
 
 import csv
+import dataclasses
 import json
 
 import numpy as np
@@ -54,6 +55,16 @@ def test_bag_repeats_commands_on_the_topic_that_the_driver_hears(tmp_path, name)
     assert left[np.searchsorted(stamps - stamps[0], 0.2)] == pytest.approx(0.3)
     assert left[np.searchsorted(stamps - stamps[0], 0.23)] == pytest.approx(-0.1)
     assert left[-1] == 0.0
+
+
+def test_page_says_how_far_none_of_its_explanations_is_believed():
+    doubted = dataclasses.replace(PLAN, forecast=dataclasses.replace(PLAN.forecast, sureness_before=0.22))
+    said = " ".join(next_drive_page(doubted, Area(), "duckie").split())
+    assert "that none of them is right is believed with 60 % now" in said
+
+
+def test_page_says_nothing_of_it_where_one_of_them_is_right():
+    assert "none of them" not in next_drive_page(PLAN, Area(), "duckie")
 
 
 def test_bag_of_an_earlier_plan_is_replaced(tmp_path):

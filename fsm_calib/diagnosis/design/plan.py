@@ -60,6 +60,12 @@ class Plan:
     path: FloatArray
 
     @property
+    def unnamed(self) -> float:
+        """Probability now that none of the outlooks is right; theirs are those among them."""
+        likeliest = max((o.probability for o in self.outlooks), default=0.0)
+        return max(1.0 - self.forecast.sureness_before / likeliest, 0.0) if likeliest > 0.0 else 1.0
+
+    @property
     def seconds(self) -> float:
         """How long it takes [s]."""
         return sum(hold[0] for hold in self.holds)
