@@ -26,17 +26,12 @@ _RANGES = (0.7, 0.7, 0.4, 0.5)  # x, y, size, skew; calibrator.py, `param_ranges
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """The four bars, each from 0 to 1 (full), and whether all are full."""
+    """The four bars, each from 0 to 1 (full)."""
 
     x: float
     y: float
     size: float
     skew: float
-
-    @property
-    def is_full(self) -> bool:
-        """All four bars at 1: what the manual tool calls good enough."""
-        return min(self.x, self.y, self.size, self.skew) >= 1.0
 
 
 def view_parameters(view: BoardView, board: BoardSpec, image_size: tuple[int, int]) -> FloatArray:

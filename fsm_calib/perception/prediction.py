@@ -48,11 +48,6 @@ class ImageError:
         return float(np.sqrt(np.mean(self.grid**2)))
 
     @property
-    def p95(self) -> float:
-        """95th percentile over the grid [px]."""
-        return float(np.percentile(self.grid, 95.0))
-
-    @property
     def max(self) -> float:
         """Largest value of the grid [px]."""
         return float(self.grid.max())

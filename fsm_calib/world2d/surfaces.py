@@ -17,8 +17,6 @@ import numpy as np
 from fsm_calib.types import FloatArray, Pose2, read_only
 from fsm_calib.world2d.scene import FLAT_CLEARANCE, BoardPlacement, MarkerField, Road, SceneSpec, Wall
 from fsm_calib.world2d.textures import (
-    TAG_BORDER,
-    TAG_CELLS,
     Texture,
     board_texture,
     floor_texture,
@@ -255,7 +253,3 @@ def build_scene(spec: SceneSpec, rng: np.random.Generator) -> Scene:
     surfaces += [board_surface(placement, index) for index, placement in enumerate(spec.boards)]
     surfaces += [wall_surface(wall, f"wall {index}") for index, wall in enumerate(spec.walls)]
     return Scene(spec, tuple(surfaces), markers)
-
-
-#: width of a marker's print over its black square
-MARKER_SHEET = (TAG_CELLS + 2 * TAG_BORDER) / TAG_CELLS

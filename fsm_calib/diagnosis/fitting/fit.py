@@ -313,12 +313,6 @@ class Engine:
             damping = max(damping * 30.0, 1e-3)
         return here, damping
 
-    def at_noise(self, fit: Fit, noise: Noise) -> Fit:
-        """Return the same parameters under another noise."""
-        return replace(
-            fit, noise=noise, log_likelihood=self.log_likelihood(self.whiteners(noise), fit.simulated)
-        )
-
     def refit_noise(self, fit: Fit, names: Sequence[int], steps: int = 3) -> Fit:
         """Return the same parameters with the likeliest noise."""
         prepared = [s.prepared for s in self.simulators]

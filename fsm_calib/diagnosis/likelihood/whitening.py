@@ -17,7 +17,6 @@ import numpy as np
 from numba import njit
 
 STATES = 11
-MEASUREMENTS = 5  # forward, lateral, turn, wheel left, wheel right
 START_POSITION, START_HEADING, START_WHEEL = 0.5, 1.0, 5.0  # m, rad, rad: nothing known at a restart
 ENTRY_SPREAD = 10.0  # how much wider the speed error is at a restart while moving
 
