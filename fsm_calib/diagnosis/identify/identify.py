@@ -67,7 +67,7 @@ def _identified(recordings: list[Recording]) -> Identification:
     if wheels and first.yaw_rate is not None:
         return identify_from_yaw_rate(recordings)
     raise DataError(
-        f"the channels {', '.join(first.channels) or 'none'} do not tell the robot",
+        f"{first.source or first.robot.name}: the channels {', '.join(first.channels) or 'none'} do not tell the robot",
         cure="Record commands or wheels, and poses, displacements or a yaw rate.",
     )
 
