@@ -86,8 +86,8 @@ def is_event(effect: Effect) -> bool:
 
 
 def hypotheses_of(effect: Effect, runs: int) -> Iterator[Hypothesis]:
-    """Yield every closure of an effect; an event once for each recording."""
-    for closure in effect.closures:
+    """Yield every closure of an effect that competes for its name; an event once for each recording."""
+    for closure in effect.competing:
         for run in range(runs) if is_event(effect) else (ALL_RUNS,):
             yield Hypothesis(effect.name, closure.frees, run, closure=closure.name)
 

@@ -262,10 +262,10 @@ class Bank:
 def _asked_for(effect: Effect, given: set[str]) -> list[Closure]:
     """Return the closures of an event whose times are those that a scan gives (a begin, or a length, too)."""
     if effect.scan != "time":
-        return list(effect.closures)
+        return list(effect.competing)
     times = {p.name for p in effect.parameters if not p.strength}
-    differ = [len((set(closure.frees) ^ given) & times) for closure in effect.closures]
-    return [c for c, number in zip(effect.closures, differ, strict=True) if number == min(differ)]
+    differ = [len((set(closure.frees) ^ given) & times) for closure in effect.competing]
+    return [c for c, number in zip(effect.competing, differ, strict=True) if number == min(differ)]
 
 
 def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[int]) -> Ranked:

@@ -26,6 +26,7 @@ from fsm_calib.diagnosis.verdict.cross_examined import supports_of
 from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.diagnosis.verdict.model import Model, bare_model
 from fsm_calib.diagnosis.verdict.posterior import Belief, belief_of
+from fsm_calib.diagnosis.verdict.refined import refined
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.world2d.effects import Effect
 
@@ -121,6 +122,8 @@ class Judge:
         with self.part("further effects"):
             selection = selector.best_grown(ranking)
         model = self._weighed(selection)
+        with self.part("refinements"):
+            model = refined(self.engine, model, gates.detect)
         named = model.named(gates.least_confidence)
         if not named:
             return self._decision("unexplained", _complaint(model), model, (), *found)

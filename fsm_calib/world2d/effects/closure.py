@@ -30,6 +30,9 @@ class Closure:
         Where its equation comes from; empty: the effect's.
     fixes : mapping of str to float
         Values at which it holds choices (`Parameter.fitted` false); choices that it does not hold are tried.
+    refines : bool
+        It makes the equation of the others more exact and says nothing of the name: a diagnosis tries it once the
+        effect is in the model, not while names compete.
     """
 
     name: str
@@ -38,6 +41,7 @@ class Closure:
     sentence: str = ""
     source: str = ""
     fixes: Mapping[str, float] = field(default_factory=dict)
+    refines: bool = False
 
     def __post_init__(self) -> None:
         """Freeze what it fixes."""

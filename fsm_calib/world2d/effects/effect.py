@@ -134,6 +134,16 @@ class Effect:
         return tuple(p for p in self.parameters if not p.fitted and p.starts)
 
     @property
+    def competing(self) -> tuple[Closure, ...]:
+        """The closures that compete for a name: all but those that refine it."""
+        return tuple(closure for closure in self.closures if not closure.refines)
+
+    @property
+    def refining(self) -> tuple[Closure, ...]:
+        """The closures that are tried once the effect is in a model."""
+        return tuple(closure for closure in self.closures if closure.refines)
+
+    @property
     def variants(self) -> tuple[tuple[str, ...], ...]:
         """The sets of parameters that the closures free."""
         return tuple(closure.frees for closure in self.closures)

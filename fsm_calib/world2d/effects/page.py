@@ -34,7 +34,10 @@ def closure_lines(effect: Effect) -> list[str]:
     """Return one line with the effect's closures; none where it has but one."""
     if len(effect.closures) < 2:
         return []
-    said = [f"*{c.name}* ({', '.join(f'`{n}`' for n in c.frees)}): {c.summary}" for c in effect.closures]
+    said = [
+        f"*{c.name}* ({', '.join(f'`{n}`' for n in c.frees)}): {c.summary}{' (once it is found)' if c.refines else ''}"
+        for c in effect.closures
+    ]
     return [f"- **Closures**: {'; '.join(said)}."]
 
 

@@ -1,37 +1,42 @@
 r"""The tyres' wide contact resists turning.
 
     M = -moment omega / sqrt(omega^2 + rate^2)
+    s1^2 <- s1^2 + (spin omega)^2                a contact that spins slips more easily
 
 M [N m] about the vertical: half the contact's length times friction times load for each wheel; omega [rad/s] yaw
 rate; rate [rad/s] below which it acts as a damper: a turning contact slides as a whole only when it turns faster
-than its tread can bend and roll off. Source: Pacejka, Tyre and Vehicle Dynamics, 3rd ed. 2012, section 9.2 (turn
-slip and parking torque).
-
-Not in it: a contact that spins slips more easily in all directions (Contensou's friction; contact models with one
-cone for sliding and spinning have it, too, MuJoCo's by a tenth of a metre times omega). A closure with that length as a
-second number predicts scrub in MuJoCo to within the noise, but on real robots it takes the place of treads that skid
-(`skid_steer`).
+than its tread can bend and roll off. s1 [m/s] is the slip speed of `dynamics`; spin [m] is of the size of the contact:
+its points slide by the spin already, in all directions, and a small slip only tips their balance. Contact models with
+one cone for sliding and spinning have it, too, larger (MuJoCo's a tenth of a metre). Skidding treads (`skid_steer`)
+slip as they turn, too, and this length would take their place, so it only refines scrub that has been found without it.
+Sources: Pacejka, Tyre and Vehicle Dynamics, 3rd ed. 2012, section 9.2 (turn slip and parking torque); Leine & Glocker,
+Eur. J. Mech. A 22 (2003) 193 (Contensou's friction: sliding and spinning at once).
 """
 
 from __future__ import annotations
+
+import math
 
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.forces import add_dry_moment
+from fsm_calib.world2d.slots import OMEGA, SLIP_SPEED
 
 
 @njit(error_model="numpy")
 def scrub(P, o, S, m, W):
-    """Add the moment."""
+    """Add the moment, and let the tyres slip more easily while they spin."""
     add_dry_moment(W, P[o], P[o + 1])
+    if P[o + 2] != 0.0:
+        W[SLIP_SPEED] = math.hypot(W[SLIP_SPEED], P[o + 2] * S[OMEGA])
 
 
 EFFECT = Effect(
     name="tyre_scrub",
     family="resistance",
     summary="resistance to turning",
-    equation="M = -moment omega / sqrt(omega^2 + rate^2)",
+    equation="M = -moment omega / sqrt(omega^2 + rate^2), s1^2 = s1^2 + (spin omega)^2",
     parameters=(
         Parameter(
             "moment",
@@ -57,6 +62,19 @@ EFFECT = Effect(
             step=5e-3,
             starts=(0.1,),
         ),
+        Parameter(
+            "spin",
+            "l_s",
+            "m",
+            0.0,
+            0.0,
+            0.3,
+            0.0,
+            "a third of the contact's radius",
+            strength=False,
+            step=2e-3,
+            starts=(0.03,),
+        ),
     ),
     hooks={"step": scrub},
     channels=("turn",),
@@ -69,6 +87,14 @@ EFFECT = Effect(
     closures=(
         Closure("usual tread", ("moment",), "slides as a whole"),
         Closure("own tread", ("moment", "rate"), "a tread that bends and rolls off first"),
+        Closure(
+            "spinning contact",
+            ("moment", "rate", "spin"),
+            "slips more easily while it spins",
+            sentence="The tyres resist turning with {moment}; over {spin} of their contact they slip as they spin.",
+            source="Leine & Glocker 2003",
+            refines=True,
+        ),
     ),
     order=76,
     dissipative=True,
