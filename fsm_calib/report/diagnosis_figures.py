@@ -151,8 +151,10 @@ def paths(drive: Drive) -> str:
             )
             axis.add_collection(LineCollection(lines, colors=colour, linewidths=1.1, label="predicted"))
             _map(axis, f"paths, {name}", every)
-            axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, borderaxespad=0.1)
             fig.canvas.draw()  # one scale for both axes makes the box narrower or lower
+            fig.legend(
+                loc="upper right", ncols=2, fontsize=8, borderaxespad=0.1
+            )  # where no narrow map's title is
             both.append(svg(fig, f"Paths {name}, {drive.title}", {axis: "floor"}))
     return beside(*both)
 

@@ -115,7 +115,7 @@ class Judge:
         )
         with self.part("catalogue"):
             bank = Bank.on(self.engine, base, distinct=selector.distinct)
-            ranking = selector.ranked(bank, base)
+            ranking = selector.first_ranked(bank)
         found = (base, tuple(ranking), location, bank)
         if not ranking or ranking[0].evidence < gates.detect:
             return self._without_name(*found)

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.from_the_leader import sought_again
 from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct, Ranked, evidence_of, polished
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
@@ -86,6 +87,14 @@ class Selector:
         """Return the effects (all) on top of a parent, the leaders polished, implausible ones left out."""
         found = bank.rank(self.catalogue if effects is None else effects, self.progress)
         return [r for r in self._polish(found, parent) if self._is_told(r)]
+
+    def first_ranked(self, bank: Bank) -> list[Ranked]:
+        """Return the effects on top of the base robot, the leader's rivals sought from where it has the base, too."""
+        ranking = self.ranked(bank, self.base)
+        if not ranking or ranking[0].evidence < self.needed:
+            return ranking
+        again = sought_again(self.engine, self.base, ranking, self.catalogue)
+        return [r for r in again if r in ranking or self._is_told(r)]
 
     def _is_told(self, ranked: Ranked) -> bool:
         """Return whether an effect is what its name says and, if it is an event, stands out."""
