@@ -34,3 +34,46 @@ def test_same_names_in_another_order_confirm_an_answer(monkeypatch):
 
 def test_other_names_begin_the_confirmation_again(monkeypatch):
     assert not judged(monkeypatch, sure_of("caster_drag"), sure_of("motor_deadband"))
+
+
+def answered(*names, among=(), **shares):
+    """Return a mind whose diagnosis says `names` with 0.95 and whose model has effects with these shares."""
+    effects = [SimpleNamespace(name=name, confidence=0.95) for name in names]
+    supports = [SimpleNamespace(name=name, share=share) for name, share in shares.items()]
+    verdict = SimpleNamespace(verdict="explained", effects=effects, ambiguous=among)
+    mind = Mind(Area(), RobotFacts(), 0)
+    mind.diagnosis = SimpleNamespace(
+        verdict=verdict, decision=SimpleNamespace(model=SimpleNamespace(supports=supports))
+    )
+    return mind
+
+
+BOTH = sure_of("motor_deadband", "floor_tilt")
+
+
+def test_what_is_small_beside_a_sure_name_does_not_keep_an_answer_open():
+    assert answered("motor_deadband", motor_deadband=0.97, floor_tilt=0.03)._is_sure(BOTH, 0.9)
+
+
+def test_what_is_large_and_has_no_sure_name_keeps_it_open():
+    assert not answered("motor_deadband", motor_deadband=0.8, floor_tilt=0.2)._is_sure(BOTH, 0.9)
+
+
+def test_what_happened_once_does_not_keep_it_open():
+    pushed = sure_of("motor_deadband", "external_push")
+    assert answered("motor_deadband", motor_deadband=0.8, external_push=0.2)._is_sure(pushed, 0.9)
+
+
+def test_names_that_are_not_the_likeliest_explanation_keep_it_open():
+    assert not answered("caster_drag", caster_drag=1.0)._is_sure(BOTH, 0.9)
+
+
+def test_a_set_that_cannot_be_told_apart_keeps_it_open():
+    among = (("motor_deadband", "caster_drag"),)
+    assert not answered("motor_deadband", among=among, motor_deadband=1.0)._is_sure(
+        sure_of("motor_deadband"), 0.9
+    )
+
+
+def test_an_explanation_without_a_name_that_is_said_keeps_it_open():
+    assert not answered(motor_deadband=1.0)._is_sure(sure_of("motor_deadband"), 0.9)

@@ -40,6 +40,11 @@ class Hypothesis:
         return " + ".join(self.names) or NOTHING
 
     @property
+    def lasting(self) -> set[str]:
+        """The effects that another drive would show, too: all but those that happen once."""
+        return {name for name in self.names if registry()[name].scan != "time"}
+
+    @property
     def needs_place(self) -> bool:
         """Whether it acts differently at another place or heading."""
         return any(depends_on_place(name) for name in self.names)

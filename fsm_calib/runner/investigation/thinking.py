@@ -27,6 +27,7 @@ DESIGN_STREAM = 13
 """Which random stream of the seed the designer draws from."""
 CONFIRMATIONS = 2  # judgements in a row with the same sure names: one drive may be unlucky
 SURE_NAME = 0.9  # confidence that the verdict itself must have in every name
+SMALL_SHARE = 0.05  # of the evidence: what only mends inexact equations has less
 LEAST_SHARE = 0.02  # of the doubt: a drive that removes less is not worth driving
 SHORTEST_TIME = 8.0  # s of budget: with less no drive is begun
 
@@ -111,7 +112,7 @@ class Mind:
         """Compare sureness and what was spent with what was asked for."""
         asked, findings, belief = bench.asked, bench.findings, self._believed(bench)
         sure = belief is not None and self._is_sure(belief, asked.sure)
-        names = sorted(belief.leader.names) if belief is not None else []
+        names = [] if belief is None else self._told(belief)
         findings.streak = findings.streak + 1 if sure and names == findings.names else int(sure)
         findings.names = names
         time_left = asked.budget - findings.spent >= SHORTEST_TIME and findings.distance < asked.distance
@@ -140,15 +141,29 @@ class Mind:
         self._known = -1
         return True
 
+    def _told(self, belief: Belief) -> list[str]:
+        """Return the names of the verdict; where it has none, those of the likeliest explanation."""
+        said = () if self.diagnosis is None else self.diagnosis.verdict.effects
+        return sorted([e.name for e in said] or belief.leader.names)
+
     def _is_sure(self, belief: Belief, wanted: float) -> bool:
-        """Return whether the belief and every name of the verdict are as sure as wanted."""
+        """Return whether the belief and every name of the verdict are as sure as wanted, and no more is to be named.
+
+        What the likeliest explanation has beside the names may only mend what is inexact in them, if it is small; and
+        no further drive tells more of what happened once.
+        """
         if belief.sureness < wanted or self.diagnosis is None:
             return False
-        verdict = self.diagnosis.verdict
-        named = tuple(sorted(e.name for e in verdict.effects))
-        if verdict.verdict == "unexplained" or named != tuple(sorted(belief.leader.names)):
+        verdict, model = self.diagnosis.verdict, self.diagnosis.decision.model
+        named, leading = {e.name for e in verdict.effects}, set(belief.leader.names)
+        unsaid = sum(s.share for s in model.supports if s.name in belief.leader.lasting - named)
+        if verdict.verdict == "unexplained" or not named <= leading or bool(named) != bool(leading):
             return False
-        return not verdict.ambiguous and all(e.confidence >= SURE_NAME for e in verdict.effects)
+        return (
+            unsaid <= SMALL_SHARE
+            and not verdict.ambiguous
+            and all(e.confidence >= SURE_NAME for e in verdict.effects)
+        )
 
     def _believed(self, bench: InvestigationBench) -> Belief | None:
         """Return the belief after all drives; computed once for each number of them."""
