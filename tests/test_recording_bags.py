@@ -1,11 +1,13 @@
 """ROS 1 bags, ROS 2 bags and MCAP files."""
 
+import re
 import sqlite3
 from contextlib import closing
 
 import numpy as np
 import pytest
 from recording_samples import every_channel
+from rosbags.rosbag1 import ReaderError
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
@@ -97,6 +99,51 @@ def test_what_a_bags_reader_says_ends_with_one_full_stop(tmp_path):
     (tmp_path / "drive.bag").write_bytes(b"no bag")
     with pytest.raises(InputError, match=r"cut short: [^.]*[^. ]\. Record it again"):
         read_recording(tmp_path / "drive.bag")
+
+
+@pytest.mark.parametrize(
+    ("raised", "said"),
+    [
+        (
+            ReaderError("Bag index looks damaged: ('Header could not be read from file.',)"),
+            "Bag index looks damaged: Header could not be read from file",
+        ),
+        (
+            ReaderError("""Bag index looks damaged: ("Could not read string field 'topic'.",)"""),
+            "Bag index looks damaged: Could not read string field 'topic'",
+        ),
+        (ReaderError("A metadata key is missing KeyError('version')."), "A metadata key is missing version"),
+        (
+            ReaderError("Some database files are missing: ['a (1).db3', 'b.db3']"),
+            "Some database files are missing: a (1).db3, b.db3",
+        ),
+        (
+            ReaderError("Serialization format {'xml'} is not supported."),
+            "Serialization format xml is not supported",
+        ),
+        (ReaderError("unknown record", 7), "unknown record 7"),
+        (ReaderError(), "ReaderError"),
+    ],
+)
+def test_what_a_bags_reader_says_is_told_in_words(tmp_path, monkeypatch, raised, said):
+    def fails(*_, **__):
+        raise raised
+
+    monkeypatch.setattr("fsm_calib.recording.bag_topics.BagReader", fails)
+    path = write_bag(every_channel(), tmp_path / "drive.bag")
+    with pytest.raises(InputError) as refused:
+        read_recording(path)
+    assert f"the bag is damaged or cut short: {said}. Record it again" in str(refused.value)
+
+
+def test_a_cut_bag_is_refused_in_words_wherever_it_is_cut(tmp_path):
+    path = write_bag(every_channel(), tmp_path / "drive.bag")
+    whole = path.read_bytes()
+    for left in range(100, len(whole), len(whole) // 40):
+        path.write_bytes(whole[:left])
+        with pytest.raises(InputError) as refused:
+            read_recording(path)
+        assert not re.search(r"""\(['"]|,\)""", str(refused.value))
 
 
 def test_a_time_that_is_no_number_is_refused(tmp_path):

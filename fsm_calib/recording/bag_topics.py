@@ -7,6 +7,7 @@ recorder's by the median difference, and that is told.
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from pathlib import Path
 from typing import Any
@@ -25,8 +26,14 @@ WANTED = frozenset(
 )
 KNOWN_BESIDE = ("CompressedImage", "CameraInfo")  # read elsewhere, image by image
 OTHER_CLOCK = 1_000_000_000  # ns: messages travel faster than this
+LONGEST_SAID = 200
+"""Characters that are told of what the reader of a damaged bag says."""
 Row = tuple[int, int, Any]
 """Header stamp [ns; 0 for none], time of recording [ns], message."""
+_TEXT = r"""'(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*\""""
+_TEXTS = re.compile(
+    rf"\w*[(\[{{]((?:{_TEXT})(?:, (?:{_TEXT}))*),?[)\]}}]"
+)  # ('a',), ['a', 'b'], KeyError('a')
 
 
 def read_topics(path: Path) -> tuple[dict[str, Topic], list[Finding]]:
@@ -48,9 +55,8 @@ def read_topics(path: Path) -> tuple[dict[str, Topic], list[Finding]]:
                 for name, parent, part in _parts(connection.topic, kind, message):
                     rows[name, kind, parent].append((_header_stamp(part), recorded, part))
     except Exception as error:  # a damaged bag can fail anywhere inside its reader
-        said = " ".join(str(error).split())[:200].rstrip(".") or type(error).__name__
         raise InputError(
-            f"the bag is damaged or cut short: {said}",
+            f"the bag is damaged or cut short: {_in_words(error)}",
             where=f"{path}:1",
             cure="Record it again, or repair it with: rosbag reindex",
         ) from error
@@ -65,6 +71,21 @@ def read_topics(path: Path) -> tuple[dict[str, Topic], list[Finding]]:
             said = f"the headers of {name} run on another clock; {moved / 1e9:+.3f} s brought them onto the recorder's"
             findings.append(Finding(name, "clocks", said))
     return topics, findings
+
+
+def _in_words(error: Exception) -> str:
+    """Return what an error says, on one line without a full stop; what it shows as a tuple, list or set of texts, or
+    as another error, is told as these texts.
+    """
+    text = " ".join(map(str, error.args)) if str(error) == str(error.args) else str(error)
+    text = text[: 10 * LONGEST_SAID]  # a damaged file may be quoted whole
+    text = _TEXTS.sub(lambda found: ", ".join(map(_bare, re.findall(_TEXT, found[1]))), text)
+    return " ".join(text.split())[:LONGEST_SAID].rstrip(" .,:;") or type(error).__name__
+
+
+def _bare(quoted: str) -> str:
+    """Return a text without its quotes, its backslashes and its full stop."""
+    return re.sub(r"\\(.)", r"\1", quoted[1:-1]).rstrip(".")
 
 
 def _parts(topic: str, kind: str, message: Any) -> list[tuple[str, str | None, Any]]:
