@@ -37,6 +37,20 @@ def test_what_is_said_of_a_next_drive_that_nobody_asked_for_is_refused(option):
     )
 
 
+@pytest.mark.parametrize("option", [("--format", "opencv"), ("--name", "front")])
+def test_what_is_said_of_a_cameras_file_that_nobody_asked_for_is_refused(option):
+    assert f"{option[0]}: this is of the camera's file. Give --out FILE, too." in refused(
+        "calibrate-camera", "x.png", "--board", "9x6", *option
+    )
+
+
+@pytest.mark.parametrize("option", [("--out", "c.yaml"), ("--format", "opencv"), ("--name", "front")])
+def test_a_comparison_of_cameras_refuses_what_is_said_of_a_file(option):
+    assert f"{option[0]}: a comparison writes no camera. Leave it out." in refused(
+        "calibrate-camera", "--compare", "a.yaml", "b.yaml", *option
+    )
+
+
 @pytest.mark.parametrize("option", [("--marker", "0.02"), ("--dictionary", "DICT_5X5_50"), ("--gap", "0.2")])
 def test_an_option_of_another_kind_of_board_is_told_to_do_nothing(option):
     said = refused("calibrate-camera", "x.png", "--board", "9x6", *option)

@@ -274,8 +274,8 @@ def test_kalibr_gets_radtan_and_nothing_that_it_has_not() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [("--kind", "photo"), ("--gap", "-1"), ("--coefficients", "6"), ("--format", "word"),
-              ("--kind", "charuco", "--dictionary", "DICT_9")]
+    "wrong", [("--kind", "photo"), ("--gap", "-1"), ("--coefficients", "6"),
+              ("--out", "camera.yaml", "--format", "word"), ("--kind", "charuco", "--dictionary", "DICT_9")]
 )  # fmt: skip
 def test_wrong_option_is_refused_before_any_work(folder, wrong) -> None:
     done = run(folder, "--board", "8x6", *wrong)

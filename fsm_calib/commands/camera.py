@@ -13,6 +13,8 @@ import typer
 from fsm_calib.commands.camera_compare import compare_cameras
 from fsm_calib.commands.camera_options import (
     BOARD_KINDS,
+    USUAL_FORM,
+    USUAL_NAME,
     BoardOption,
     CoefficientsOption,
     DictionaryOption,
@@ -22,6 +24,7 @@ from fsm_calib.commands.camera_options import (
     SquareOption,
     camera_writer,
     parse_request,
+    refuse_unwritten,
     solve_settings,
 )
 from fsm_calib.commands.files import check_places, tell_result, write_file
@@ -61,18 +64,25 @@ def calibrate_camera(
         Path | None, typer.Option(metavar="FILE", help="Write the camera as YAML, in the form of --format.")
     ] = None,
     form: Annotated[
-        str, typer.Option("--format", metavar="FORM", help="ros, duckietown, opencv or kalibr.")
-    ] = "ros",
+        str | None,
+        typer.Option(
+            "--format", metavar="FORM", help="With --out: ros, duckietown, opencv or kalibr (default: ros)."
+        ),
+    ] = None,
     report: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a page with the error map and residuals.")
     ] = None,
-    name: Annotated[str, typer.Option(metavar="NAME", help="Name of the camera in the YAML.")] = "camera",
+    name: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="With --out: name of the camera in the YAML (default: camera)."),
+    ] = None,
     compare: Annotated[
         tuple[Path, Path] | None,
         typer.Option(metavar="A.yaml B.yaml", help="Compare two cameras' files instead.", show_default=False),
     ] = None,
 ) -> None:
     """Calibrate a camera from photos and say how good the result is."""
+    refuse_unwritten(out, form, name, compares=compare is not None)
     if compare is not None:
         compare_cameras(*compare, json_file, report)
         return
@@ -86,7 +96,7 @@ def calibrate_camera(
     spec = asked.spec()
     finder = None if asked.kind == "chessboard" else asked.finder()
     settings = solve_settings(coefficients)
-    write = camera_writer(form)
+    write = camera_writer(form or USUAL_FORM)
     check_places(json_file, out, report)
     photos = find_in_photos(photo_files(images), spec, finder=finder)
     result = calibrate(photos.views, spec, photos.image_size, may_be_bent=True, settings=settings)
@@ -97,7 +107,7 @@ def calibrate_camera(
     if result.refused:
         raise DataError(f"the calibration is refused: {result.reason}", cure="Take views of the whole image.")
     if out is not None:
-        write_file(out, write(result.camera, name, _origin(result)))
+        write_file(out, write(result.camera, name or USUAL_NAME, _origin(result)))
 
 
 def summary_text(result: CameraCalibration, photos: PhotoSet, given: int) -> str:

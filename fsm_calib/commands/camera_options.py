@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -23,6 +24,8 @@ BOARD_KINDS = (
     "circles",
     "asymmetric_circles",
 )  # as in perception.grid_boards
+USUAL_FORM, USUAL_NAME = "ros", "camera"
+"""Form of a camera's file and name of the camera in it where nobody says otherwise."""
 BoardOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -72,6 +75,22 @@ def solve_settings(coefficients: int | None) -> SolveSettings:
     if coefficients not in DEFAULT_SOLVE.coefficients:
         raise InputError(f"{coefficients} coefficients", where="--coefficients", cure="Give 4, 5 or 8.")
     return replace(DEFAULT_SOLVE, coefficients=(coefficients,))
+
+
+def refuse_unwritten(out: Path | None, form: str | None, name: str | None, *, compares: bool) -> None:
+    """Raise where something is said of a camera's file that is not written: by a comparison, or without `out`.
+
+    Raises
+    ------
+    InputError
+        The first such option, with the cure.
+    """
+    said = {"--out": out, "--format": form, "--name": name}
+    option = next((option for option, value in said.items() if value is not None), None)
+    if option is not None and compares:
+        raise InputError("a comparison writes no camera", where=option, cure="Leave it out.")
+    if option is not None and out is None:
+        raise InputError("this is of the camera's file", where=option, cure="Give --out FILE, too.")
 
 
 def camera_writer(form: str) -> Callable[[CameraModel, str, str], str]:
