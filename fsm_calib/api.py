@@ -88,10 +88,14 @@ def identify(*recordings: str | Path | Recording) -> Answer:
         A recording cannot be read, or tells nothing of the robot.
     """
     from fsm_calib.diagnosis.identify.identify import identify as identified
+    from fsm_calib.diagnosis.identify.result import SENSOR, told_once
 
-    plain = identified(_read(recordings)).to_json()
-    values = {name: value for name, value in plain.items() if isinstance(value, dict) and "value" in value}
-    rows = [(name, _estimate(value)) for name, value in values.items()]
+    loaded = _read(recordings)
+    found = identified(loaded)
+    plain = found.to_json()
+    rows = [
+        (name, _estimate(value)) for name, value in told_once(found, loaded).items() if name not in SENSOR
+    ]
     return Answer(f"{plain['robot']}, from {plain['method']}", plain, tuple(rows))
 
 

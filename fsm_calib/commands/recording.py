@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -60,6 +60,7 @@ def identify_command(
 ) -> None:
     """Fit the base robot alone: radii, axle, gains, time constants, sensor pose, each with a deviation."""
     from fsm_calib.diagnosis.identify.identify import identify
+    from fsm_calib.diagnosis.identify.result import told_once
     from fsm_calib.diagnosis.identify.straight import straight_sentence, wheel_calibration
     from fsm_calib.recording.untold import why_no_pull
 
@@ -76,7 +77,7 @@ def identify_command(
     calibration = None if out is None else wheel_calibration(result, loaded)
     pulls = straight_sentence(result, loaded)
     said = f"{plain['robot']} {pulls}" if pulls else f"where it pulls is not told: {why_no_pull(loaded)}"
-    tell_result(plain, "\n".join([*_lines(plain), said]), json_file)
+    tell_result(plain, "\n".join([*_lines(plain, told_once(result, loaded)), said]), json_file)
     if out is not None and calibration is not None:
         _write_kinematics(out, calibration, recordings)
 
@@ -89,11 +90,9 @@ def _write_kinematics(out: Path, wheels: WheelCalibration, recordings: list[str]
     write_file(out, kinematics_text(wheels, datetime.now(), provenance))
 
 
-def _lines(plain: dict) -> list[str]:  # type: ignore[type-arg]
-    """Return the result as lines of text."""
+def _lines(plain: dict[str, Any], rows: dict[str, dict[str, Any]]) -> list[str]:
+    """Return the result as lines of text, its numbers from `rows`."""
     lines = [f"{plain['robot']}: from {plain['method']}"]
-    rows = {name: value for name, value in plain.items() if isinstance(value, dict) and "value" in value}
-    rows |= {f"sensor.{name}": value for name, value in plain["sensor"].items()}
     for name, estimate in rows.items():
         if estimate["value"] is None:
             lines.append(f"  {name:28s} not told: {estimate['reason']}")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fsm_calib.recording.recording import Finding
+from fsm_calib.recording.recording import Finding, Recording
 from fsm_calib.types import wrap_angle
 
 DISAGREE = 2.0  # a stretch of the standard deviation above which recordings are said to disagree
@@ -82,6 +82,34 @@ class Identification:
         plain["notes"] = list(self.notes)
         plain["checks"] = [str(finding) for finding in self.findings]
         return plain
+
+
+def told_once(found: Identification, recordings: Sequence[Recording]) -> dict[str, dict[str, Any]]:
+    """Return the estimates by full name as `to_json` has them, the sensor last, each number under one name.
+
+    ``wheel_gain`` is the share that a wheel makes of the speed which `recordings` state for command 1. Where they state
+    none it is ``speed_at_full`` again [m/s], and told here as unknown, with what stating the speed needs.
+    """
+    twice = [
+        name for name, one in found.estimates.items() if name.startswith("wheel_gain_") and one.unit == "m/s"
+    ]
+    plain: dict[str, dict[str, Any]] = {}
+    for name, estimate in sorted(found.estimates.items(), key=lambda item: item[0] in SENSOR):
+        if name not in twice:
+            plain[name] = estimate.to_json()
+        elif name == twice[0]:
+            plain["wheel_gain"] = unknown("1", _gain_needs(found, recordings)).to_json()
+    return plain
+
+
+def _gain_needs(found: Identification, recordings: Sequence[Recording]) -> str:
+    """Return what the robot's facts lack for the gains of its wheels."""
+    robots = [recording.robot for recording in recordings]
+    measured = found.value("wheel_radius_left") is not None
+    lacking = ["wheel_radius"] if not measured and any(robot.wheel_radius is None for robot in robots) else []
+    lacking += ["max_wheel_rate"] if any(robot.max_wheel_rate is None for robot in robots) else []
+    said = "it is speed_at_full over wheel_radius times max_wheel_rate"
+    return f"{said}; state the robot's {' and '.join(lacking)} to have it"
 
 
 def combined(parts: Sequence[Identification]) -> Identification:
