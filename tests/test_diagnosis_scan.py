@@ -9,7 +9,14 @@ from diagnosis_robots import recording
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.scan import DEFAULTS, SCANS, scan_of
-from fsm_calib.diagnosis.candidates.scan_markers import jump_evidence, jumps_of, likely_discs
+from fsm_calib.diagnosis.candidates.scan_markers import (
+    HEADING,
+    SHIFTED,
+    TURNED,
+    jump_evidence,
+    jumps_of,
+    likely_discs,
+)
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.fitting.values import with_values
@@ -38,9 +45,9 @@ def fitted(bank, name):
     return dict(zip(ranked.hypothesis.names, numbers, strict=True))
 
 
-def discs_of(bank, shifted=False):
+def discs_of(bank, wrong=TURNED):
     pairs = zip(bank.engine.simulators, bank.parent.simulated, strict=True)
-    return likely_discs([jumps_of(s.prepared, simulated) for s, simulated in pairs], shifted)
+    return likely_discs([jumps_of(s.prepared, simulated) for s, simulated in pairs], wrong)
 
 
 def test_every_effect_of_a_place_or_a_moment_has_a_scan():
@@ -88,9 +95,20 @@ def test_a_turned_marker_is_fitted_from_there(marked):
 def test_a_shifted_marker_or_the_rest_of_the_map_shifted_back_is_found():
     numbers = {"misplaced_marker__shift_x": 0.03, "misplaced_marker__shift_y": -0.02}
     place = {f"misplaced_marker__{name}": MARKER[name] for name in ("x", "y", "radius")}
-    best = discs_of(bank_of(*(recording(seed, **numbers, **place) for seed in (0, 1))), shifted=True)[0]
+    best = discs_of(bank_of(*(recording(seed, **numbers, **place) for seed in (0, 1))), SHIFTED)[0]
     sign = np.sign(best.shift_x)
     assert sign * np.array([best.shift_x, best.shift_y]) == pytest.approx((0.03, -0.02), abs=0.01)
+
+
+def test_headings_that_alone_are_wrong_in_a_place_are_found_and_told_from_a_turned_marker():
+    numbers = {f"misplaced_marker__{name}": value for name, value in MARKER.items()}
+    bank = bank_of(*(recording(seed, **numbers, misplaced_marker__rigid=0.0) for seed in (0, 1)))
+    assert discs_of(bank, HEADING)[0].promise > discs_of(bank, TURNED)[0].promise
+    (ranked,) = bank.rank([registry()["misplaced_marker"]])
+    assert ranked.hypothesis.closure == "heading alone"
+    found = dict(zip(ranked.hypothesis.names, ranked.fit.slot_values()[-4:], strict=True))
+    assert found["turn"] == pytest.approx(MARKER["turn"], rel=0.1)
+    assert np.hypot(found["x"] - MARKER["x"], found["y"] - MARKER["y"]) < 0.03
 
 
 def test_the_disc_is_found_to_a_centimetre_where_poses_come_fast():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
-from fsm_calib.diagnosis.candidates.scan_markers import Jumps, likely_discs
+from fsm_calib.diagnosis.candidates.scan_markers import TURNED, Jumps, likely_discs
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.replay.robot_size import SMALL_AXLE, robot_size
 from fsm_calib.diagnosis.shapes.features import place_centres, place_pitch
@@ -40,7 +40,7 @@ def test_a_marker_of_a_large_robots_field_is_sought_on_its_own_grid():
     rng = np.random.default_rng(1)
     place = np.cumsum(rng.normal(0.0, 0.3, (400, 2)), axis=0)
     jump, spread = rng.normal(0.0, 0.01, (400, 3)), np.full(3, 0.01)
-    found = likely_discs([Jumps(place, jump, spread, jump, spread)], shifted=False, size=8.8)
+    found = likely_discs([Jumps(place, jump, spread, jump, spread)], TURNED, size=8.8)
     assert all(disc.radius > 0.5 for disc in found)
 
 

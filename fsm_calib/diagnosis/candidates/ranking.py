@@ -180,6 +180,8 @@ class Bank:
                 if given & strengths and len(set(names) & strengths) > len(given & strengths):
                     continue  # the larger form is tried only where the scan asked for it
                 hypothesis = Hypothesis(effect.name, names, candidate.run, candidate.elsewhere, closure.name)
+                if any(candidate.changes.get(n, value) != value for n, value in hypothesis.held.items()):
+                    continue  # the scan looked for another closure
                 choices = declared_starts(hypothesis, candidate.changes)
                 choices = [{**choice, **candidate.changes, **hypothesis.held} for choice in choices]
                 plans.append((hypothesis, self.prober.best_starts(hypothesis, choices, 1)))

@@ -26,7 +26,15 @@ from fsm_calib.diagnosis.candidates.scan_default import (
     tried_places,
     tried_span,
 )
-from fsm_calib.diagnosis.candidates.scan_markers import Jumps, jumps_of, likely_discs
+from fsm_calib.diagnosis.candidates.scan_markers import (
+    HEADING,
+    SHIFTED,
+    TURNED,
+    Jumps,
+    Wrong,
+    jumps_of,
+    likely_discs,
+)
 from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, STEP, push_of, pushes
 from fsm_calib.diagnosis.candidates.scan_slides import slides
 from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
@@ -132,20 +140,21 @@ class Scanner:
         return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
     def markers(self, effect: Effect) -> list[Candidate]:
-        """Return discs inside which the poses are turned about their centre, or turned and shifted."""
+        """Return discs inside which poses are turned, headings alone are, or poses are turned and shifted."""
         jumps = [
             jumps_of(simulator.prepared, simulated)
             for simulator, simulated in zip(self.simulators, self.parent.simulated, strict=True)
         ]
-        turned, shifted = (self._markers(effect, jumps, with_shift) for with_shift in (False, True))
+        turned = [found for wrong in (TURNED, HEADING) for found in self._markers(effect, jumps, wrong)]
+        shifted = self._markers(effect, jumps, SHIFTED)
         cost = float(np.log(self.residual.engine.count))  # of two numbers more
-        best = turned[0].promise if turned else 0.0
+        best = max((candidate.promise for candidate in turned), default=0.0)
         found = turned + [candidate for candidate in shifted if candidate.promise > best + cost]
         return [candidate for candidate in found if not self.hopeless(candidate.promise)]
 
-    def _markers(self, effect: Effect, jumps: Sequence[Jumps], shifted: bool) -> list[Candidate]:
+    def _markers(self, effect: Effect, jumps: Sequence[Jumps], wrong: Wrong) -> list[Candidate]:
         """Return the best discs: jumps alone miss a faint turn that the poses inside show together."""
-        discs = likely_discs(jumps, shifted, MARKERS_TRIED, self.size)
+        discs = likely_discs(jumps, wrong, MARKERS_TRIED, self.size)
         wins = tried_out(self.parent, self.residual, [disc.changes(effect) for disc in discs])
         promise = [max(disc.promise, float(win)) for disc, win in zip(discs, wins, strict=True)]
         best = np.argsort(-np.array(promise))[:KEEP]

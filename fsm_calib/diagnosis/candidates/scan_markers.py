@@ -3,14 +3,15 @@ r"""Where is the marker that lies wrong on the map? A matched filter on the jump
 A misplaced marker shows in a few frames only: the pose jumps where the robot enters the disc in which it is seen, and
 back where it leaves. Between two frames k - 1 and k the jump is
 
-    e_k = (c_k - c_(k-1)) - (what the base robot moved)          c_k = inside_k (shift + turn perp(r_k), turn)
+    e_k = (c_k - c_(k-1)) - (what the base robot moved)          c_k = inside_k (shift + rigid turn perp(r_k), turn)
 
-e_k [m, m, rad] in world axes, r_k [m] the place seen from the disc's centre. For a disc, turn and shift are linear, and
-least squares over the frames with their robust spread tells what they would win. The edge must be right to a frame or
-two: 8 mm beside the truth a disc may promise a quarter of what it does there (measured, poses at 30 Hz). A first look
-at a grid of discs therefore takes jumps over the time in which the robot travels from one disc to the next; the best
-then move and resize by what jumps from a frame before to a frame after the crossing tell. The centre need not have
-been visited. The spread is a median of all frames: the fitted noise has swallowed the jumps, and would hide them.
+e_k [m, m, rad] in world axes, r_k [m] the place seen from the disc's centre, rigid 1, or 0 of headings alone. For a
+disc, turn and shift are linear, and least squares over the frames with their robust spread tells what they would win.
+The edge must be right to a frame or two: 8 mm beside the truth a disc may promise a quarter of what it does there
+(measured, poses at 30 Hz). A first look at a grid of discs therefore takes jumps over the time in which the robot
+travels from one disc to the next; the best then move and resize by what jumps from a frame before to a frame after
+the crossing tell. The centre need not have been visited. The spread is a median of all frames: the fitted noise has
+swallowed the jumps, and would hide them.
 """
 
 from __future__ import annotations
@@ -47,6 +48,17 @@ MOVES = np.array(np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3)).reshape(3, -1).T
 MAD_TO_SD = 1.4826  # of a normal distribution
 
 
+@dataclass(frozen=True, slots=True)
+class Wrong:
+    """How a marker may be wrong: by so many of turn and shift, along x and y; `rigid` 1, or 0: headings alone."""
+
+    numbers: int
+    rigid: float
+
+
+TURNED, SHIFTED, HEADING = Wrong(1, 1.0), Wrong(3, 1.0), Wrong(1, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Jumps:
     """Unexplained motion about each pose: place (n, 2) [m], jump (n, 3) [m, m, rad] in world axes, spread (3,).
@@ -63,7 +75,9 @@ class Jumps:
 
 @dataclass(frozen=True, slots=True)
 class Disc:
-    """A marker's disc [m], its turn [rad] and shift [m], and the log-likelihood that it promises to win."""
+    """A marker's disc [m], its turn [rad] and shift [m], whether places turn with it (`rigid` 1) or headings alone (0),
+    and the log-likelihood that it promises to win.
+    """
 
     x: float
     y: float
@@ -71,11 +85,12 @@ class Disc:
     turn: float
     shift_x: float
     shift_y: float
+    rigid: float
     promise: float
 
     def changes(self, effect: Effect) -> dict[str, float]:
         """Return the disc in the words of an effect's parameters, by full name; shifts only where it has one."""
-        numbers = {"turn": float(np.clip(self.turn, -1.0, 1.0))}
+        numbers = {"turn": float(np.clip(self.turn, -1.0, 1.0)), "rigid": self.rigid}
         if self.shift_x or self.shift_y:
             numbers |= {"shift_x": self.shift_x, "shift_y": self.shift_y}
         acting = {f"{effect.name}.{name}": value for name, value in numbers.items()}
@@ -119,8 +134,8 @@ def _over(
     return np.clip(jump, -largest * spread, largest * spread), spread
 
 
-def likely_discs(jumps: Sequence[Jumps], shifted: bool, kept: int = KEPT, size: float = 1.0) -> list[Disc]:
-    """Return the most promising discs, apart from each other: of a turned marker, or of one `shifted` as well.
+def likely_discs(jumps: Sequence[Jumps], wrong: Wrong, kept: int = KEPT, size: float = 1.0) -> list[Disc]:
+    """Return the most promising discs, apart from each other, of a marker that is `wrong` in some way.
 
     size : of the robot, as `robot_size` tells it.
     """
@@ -128,13 +143,13 @@ def likely_discs(jumps: Sequence[Jumps], shifted: bool, kept: int = KEPT, size: 
     wide = Frames.of(place, [(j.wide, j.wide_spread) for j in jumps])
     narrow = Frames.of(place, [(j.jump, j.spread) for j in jumps])
     discs = _grid(place, size)
-    promise = wide.numbers(discs, shifted)[:, 0]
+    promise = wide.numbers(discs, wrong)[:, 0]
     any_good = promise > 0.0
     promise, discs = promise[any_good], discs[any_good]
     best = [discs[i] for i in apart(promise, discs[:, :2], kept, size * APART)]
     by = [[size * step for step in steps] for steps in (MOVED_WIDE, MOVED)]
-    moved = [narrow.moved(wide.moved(disc, by[0], shifted), by[1], shifted) for disc in best]
-    return sorted((narrow.disc(disc, shifted) for disc in moved), key=lambda disc: -disc.promise)
+    moved = [narrow.moved(wide.moved(disc, by[0], wrong), by[1], wrong) for disc in best]
+    return sorted((narrow.disc(disc, wrong) for disc in moved), key=lambda disc: -disc.promise)
 
 
 def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray], count: int) -> float:
@@ -146,7 +161,7 @@ def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray],
         return -np.inf
     jumps = [jumps_of(p, s, SURE_JUMP) for p, s in zip(prepared, simulated, strict=True)]
     size = robot_size(float(prepared[0].geometry[0]))
-    best = max((disc.promise for disc in likely_discs(jumps, shifted=False, size=size)), default=0.0)
+    best = max((disc.promise for disc in likely_discs(jumps, TURNED, size=size)), default=0.0)
     discs = len(_grid(np.vstack([j.place for j in jumps]), size))
     return float(2.0 * best - DISC_NUMBERS * np.log(count) - 2.0 * np.log(discs))
 
@@ -165,23 +180,23 @@ class Frames:
         weight = [np.tile(spread**-2, (len(jump), 1)) for jump, spread in jumps]
         return cls(place, np.vstack([jump for jump, _ in jumps]), np.vstack(weight))
 
-    def numbers(self, discs: FloatArray, shifted: bool) -> FloatArray:
+    def numbers(self, discs: FloatArray, wrong: Wrong) -> FloatArray:
         """Return promise, turn [rad] and shift [m] of discs (m, 3), shape (m, 4)."""
-        found = _numbers(self.place, self.jump, self.weight, discs, 3 if shifted else 1)
+        found = _numbers(self.place, self.jump, self.weight, discs, wrong.numbers, wrong.rigid)
         return np.asarray(found, dtype=float)
 
-    def moved(self, disc: FloatArray, steps: Sequence[float], shifted: bool) -> FloatArray:
+    def moved(self, disc: FloatArray, steps: Sequence[float], wrong: Wrong) -> FloatArray:
         """Move and resize a disc (3,) by ever smaller `steps` [m] to where it promises most."""
         for step in steps:
             tried = disc + step * MOVES
-            disc = tried[int(np.argmax(self.numbers(tried, shifted)[:, 0]))]
+            disc = tried[int(np.argmax(self.numbers(tried, wrong)[:, 0]))]
         return disc
 
-    def disc(self, disc: FloatArray, shifted: bool) -> Disc:
+    def disc(self, disc: FloatArray, wrong: Wrong) -> Disc:
         """Return a disc (3,) with the turn and shift that fit it best."""
         x, y, radius = map(float, disc)
-        promise, turn, shift_x, shift_y = map(float, self.numbers(disc[None], shifted)[0])
-        return Disc(x, y, radius, turn, shift_x, shift_y, promise)
+        promise, turn, shift_x, shift_y = map(float, self.numbers(disc[None], wrong)[0])
+        return Disc(x, y, radius, turn, shift_x, shift_y, wrong.rigid, promise)
 
 
 def _grid(place: FloatArray, size: float) -> FloatArray:
@@ -212,7 +227,7 @@ def _is_far(circle, disc):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _numbers(place, jump, weight, discs, size):  # type: ignore[no-untyped-def]
+def _numbers(place, jump, weight, discs, size, rigid):  # type: ignore[no-untyped-def]
     """Return promise and the first `size` of turn, shift_x, shift_y of each disc, shape (m, 4)."""
     out = np.zeros((len(discs), 4))
     normal, score = np.zeros((3, 3)), np.zeros(3)
@@ -229,10 +244,11 @@ def _numbers(place, jump, weight, discs, size):  # type: ignore[no-untyped-def]
             if inside and not was:
                 entered = k
             elif was and not inside and k - entered >= SHORTEST_STAY:
+                way_in, way_out = (1.0, rigid), (-1.0, rigid)
                 count += _add_jump(
-                    place[entered], 1.0, jump[entered], weight[entered], discs[d], size, normal, score
+                    place[entered], way_in, jump[entered], weight[entered], discs[d], size, normal, score
                 )
-                count += _add_jump(place[k - 1], -1.0, jump[k], weight[k], discs[d], size, normal, score)
+                count += _add_jump(place[k - 1], way_out, jump[k], weight[k], discs[d], size, normal, score)
             was, k = inside, k + 1
         if count >= FEWEST_JUMPS:
             numbers = np.linalg.solve(normal[:size, :size] + RIDGE * np.eye(size), score[:size])
@@ -242,12 +258,14 @@ def _numbers(place, jump, weight, discs, size):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _add_jump(at, sign, jump, weight, disc, size, normal, score):  # type: ignore[no-untyped-def]
-    """Add the jump at an edge to the normal equations; `at` the pose that is wrong; return 0 where none is known."""
+def _add_jump(at, way, jump, weight, disc, size, normal, score):  # type: ignore[no-untyped-def]
+    """Add the jump at an edge to the normal equations; `at` the pose that is wrong, `way` in or out (1 or -1) and
+    `rigid`; return 0 where no jump is known.
+    """
     if np.isnan(jump[2]):
         return 0
-    columns = np.zeros((3, 3))
-    columns[0, 0], columns[0, 1] = -sign * (at[1] - disc[1]), sign * (at[0] - disc[0])
+    columns, sign, turned = np.zeros((3, 3)), way[0], way[0] * way[1]
+    columns[0, 0], columns[0, 1] = -turned * (at[1] - disc[1]), turned * (at[0] - disc[0])
     columns[0, 2] = columns[1, 0] = columns[2, 1] = sign
     for c in range(3):
         for i in range(size):

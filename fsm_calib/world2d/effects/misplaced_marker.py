@@ -2,10 +2,13 @@ r"""One marker on the floor is not where the map says: poses measured by it are 
 
     pose_measured = T pose          |(x, y) - (x_m, y_m)| <= radius
     T: turn by `turn` about (x_m, y_m), then shift by (shift_x, shift_y)
+    T: turn of the heading alone                   rigid = 0
 
 (x_m, y_m) [m] the marker, radius [m] within which it is the one that is seen, turn [rad] and shift [m] its
-error in the map. The robot does not feel it: the pose jumps on the way in and back on the way out. Source:
-map errors of tag localisation, e.g. Olson, ICRA 2011 (AprilTag), section V.
+error in the map. The robot does not feel it: the pose jumps on the way in and back on the way out. Headings alone are
+wrong where a place is told by other marks, or by a compass near iron. Sources: map errors of tag localisation, e.g.
+Olson, ICRA 2011 (AprilTag), section V; Angermann, Frassl, Doniec, Julian & Robertson, Characterization of the indoor
+magnetic field, IPIN 2012.
 """
 
 from __future__ import annotations
@@ -22,13 +25,13 @@ def displace(p: FloatArray, poses: FloatArray, places: FloatArray) -> FloatArray
     """Return the poses as measured by the misplaced marker where it is seen, shape (n, 3); `places`, shape
     (n, 2), say where.
     """
-    turn, shift_x, shift_y, x, y, radius = p
+    turn, shift_x, shift_y, x, y, radius, rigid = p
     dx, dy = places[:, 0] - x, places[:, 1] - y
     s = np.clip(0.5 + 0.5 * (radius - np.hypot(dx, dy)) / EDGE, 0.0, 1.0)
     inside = s * s * (3.0 - 2.0 * s)
     wrong = poses.copy()
-    wrong[:, 0] += inside * ((np.cos(turn) - 1.0) * dx - np.sin(turn) * dy + shift_x)
-    wrong[:, 1] += inside * (np.sin(turn) * dx + (np.cos(turn) - 1.0) * dy + shift_y)
+    wrong[:, 0] += inside * (rigid * ((np.cos(turn) - 1.0) * dx - np.sin(turn) * dy) + shift_x)
+    wrong[:, 1] += inside * (rigid * (np.sin(turn) * dx + (np.cos(turn) - 1.0) * dy) + shift_y)
     wrong[:, 2] += inside * turn
     return wrong
 
@@ -56,6 +59,18 @@ EFFECT = Effect(
             step=6e-3,
             starts=(0.15, 0.3),
         ),
+        Parameter(
+            "rigid",
+            "k_m",
+            "1",
+            1.0,
+            0.0,
+            1.0,
+            1.0,
+            "1 place and heading turn together, 0 the heading alone",
+            strength=False,
+            fitted=False,
+        ),
     ),
     hooks={"observe": displace},
     channels=("sensor",),
@@ -67,11 +82,20 @@ EFFECT = Effect(
     source="Olson, ICRA 2011, section V",
     jumps=True,
     closures=(
-        Closure("turned", ("turn", "x", "y", "radius"), "turned about its own place"),
+        Closure("turned", ("turn", "x", "y", "radius"), "turned about its own place", fixes={"rigid": 1.0}),
         Closure(
             "turned and shifted",
             ("turn", "shift_x", "shift_y", "x", "y", "radius"),
             "turned and shifted",
+            fixes={"rigid": 1.0},
+        ),
+        Closure(
+            "heading alone",
+            ("turn", "x", "y", "radius"),
+            "headings are wrong there, places are not",
+            sentence="Headings are told wrong by {turn} within {radius} of ({x}, {y}); places are not.",
+            source="Angermann et al., IPIN 2012",
+            fixes={"rigid": 0.0},
         ),
     ),
     where="disc",
