@@ -117,10 +117,18 @@ def test_a_rival_that_the_data_cannot_tell_stands_beside_the_name_and_takes_noth
 
 def test_a_rival_that_is_beaten_takes_its_odds() -> None:
     rivals = {"caster_drag": evidence_of(0.97), "payload_offset": evidence_of(0.96)}
-    belief = belief_of(support(rivals=rivals))
+    belief = belief_of(support(added=30.0, rivals=rivals))  # a hundredth of it is next to nothing
     assert belief.among == ("motor_deadband",)
     against = 0.03 / 0.97 + 0.04 / 0.96
-    assert belief.probability == pytest.approx(shape_probability(support()) / (1.0 + against))
+    assert belief.probability == pytest.approx(shape_probability(support()) / (1.0 + against), rel=2e-3)
+
+
+@pytest.mark.parametrize(("behind", "among"), [(0.01, True), (0.015, True), (0.018, False), (0.1, False)])
+def test_a_rival_that_is_behind_by_a_hundredth_of_what_the_name_explains_stands_beside_it(
+    behind, among
+) -> None:
+    belief = belief_of(support(added=10_000.0, rivals={"caster_drag": behind * 10_000.0}))
+    assert ("caster_drag" in belief.among) == among
 
 
 @pytest.mark.parametrize(
@@ -263,7 +271,7 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     """What is answered where the strongest effect has this evidence and the names of the model these probabilities."""
     ranking = [] if evidence is None else [SimpleNamespace(evidence=evidence)]
     selector = SimpleNamespace(
-        distinct=True, ranked=lambda bank, base: ranking, best_grown=lambda ranking: "grown"
+        distinct=True, first_ranked=lambda bank: ranking, best_grown=lambda ranking: "grown"
     )
     beliefs = tuple(
         Belief(SimpleNamespace(name=f"effect{i}"), p, (f"effect{i}",)) for i, p in enumerate(probabilities)
@@ -277,6 +285,7 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     monkeypatch.setattr(decide, "Bank", SimpleNamespace(on=lambda *given, **named: "bank"))
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
     monkeypatch.setattr(Judge, "_weighed", lambda self, selection: model)
+    monkeypatch.setattr(decide, "refined", lambda engine, model, least: model)
     monkeypatch.setattr(decide, "placed", lambda engine, fit, effects, rng: "placed")
     monkeypatch.setattr(decide, "dated", lambda engine, fit, effects: (fit, "dated"))
     return judge()._answer()
@@ -316,7 +325,7 @@ def test_each_long_part_of_an_answer_is_told_before_it_begins(monkeypatch: pytes
     fit, weighed = SimpleNamespace(values=()), support()
     grown = SimpleNamespace(fit=fit, effects=(weighed.effect,))
     selector = SimpleNamespace(
-        distinct=True, ranked=lambda bank, base: ranking, best_grown=lambda ranking: grown
+        distinct=True, first_ranked=lambda bank: ranking, best_grown=lambda ranking: grown
     )
     monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)
     monkeypatch.setattr(Judge, "_weighed", weigh)

@@ -36,7 +36,11 @@ class Gap:
     @property
     def probability(self) -> float:
         """The probability that the first of the two is nearer to the truth."""
-        return float(ndtr(self.evidence / np.hypot(self.spread, LOGISTIC)))
+        return self.probability_within(0.0)
+
+    def probability_within(self, inexact: float) -> float:
+        """Return that probability where equations are inexact by so much evidence."""
+        return float(ndtr(self.evidence / np.hypot(np.hypot(self.spread, LOGISTIC), inexact)))
 
 
 def gap_between(engine: Engine, first: Fit, second: Fit) -> Gap:

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 from fsm_calib.diagnosis.shapes.score_tests import LeftOver
 
+EXACT = 0.01  # of what it explains: no equation is more exact
+
 
 @dataclass(frozen=True, slots=True)
 class Gates:
@@ -17,7 +19,7 @@ class Gates:
 
     detect : evidence that an effect needs (of 90 robots without one none has more than 12 with a scanned place,
     plain ones win 5.9 at most); an event needs twice what the best other moment promises on top. further_share : of
-    the first effect's evidence, alone, that each further one must add, since no equation is exact to a hundredth.
+    the first effect's evidence, alone, that each further one must add (EXACT).
     curious : -log10 p of the most surprising of some 60 score tests above which a further effect is looked for (chance
     exceeds it in 2 of 100 robots). most : effects of one robot. least_confidence : probability that a name must
     have to be said. unexplained_surprise : -log10 p of what is left over above which recordings without a name are
@@ -26,7 +28,7 @@ class Gates:
     """
 
     detect: float = 14.0
-    further_share: float = 0.01
+    further_share: float = EXACT
     curious: float = 3.5
     most: int = 6
     least_confidence: float = 0.6

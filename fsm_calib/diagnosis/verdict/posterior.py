@@ -5,7 +5,8 @@ r"""How sure is a name? It must add something, beat its rivals, and be the law t
                         - PATCHY patchy
 
 added, p_r : from the gaps in evidence over nothing and over rival r, each tempered by its own spread from second to
-second (`proof/gap.py`). left, replaced, moved [1] : shares of what the name explains that un-named forms explain beside
+second (`proof/gap.py`), that over a rival also by a hundredth of what the name explains (EXACT: no equation is exact to
+less). left, replaced, moved [1] : shares of what the name explains that un-named forms explain beside
 it, or better in its place, and that is another law in each drive; patchy [1] : how well it could mend what is inexact
 in stronger effects (`verdict/support.py`). A right name whose equation is another than ours and a wrong neighbour
 differ in these shares, not in sizes. The numbers were set on opened development robots (`benchmarks/concealed`,
@@ -22,6 +23,7 @@ from dataclasses import dataclass
 
 from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.proof.gap import TOLD_APART
+from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.verdict.support import Support
 
 SURE = 3.2  # log odds of a name that leaves nothing
@@ -49,11 +51,12 @@ class Belief:
 
 def belief_of(support: Support) -> Belief:
     """Return how sure an effect's name is, and which names the data cannot tell from it."""
-    near = [r for r in support.rivals if r.gap.probability < TOLD_APART]
-    far = [r for r in support.rivals if r.gap.probability >= TOLD_APART]
-    against = sum((1.0 - r.gap.probability) / r.gap.probability for r in far)
+    inexact = EXACT * max(support.added.evidence, 0.0)
+    beaten = [(r.name, r.gap.probability_within(inexact)) for r in support.rivals]
+    near = [name for name, p in beaten if p < TOLD_APART]
+    against = sum((1.0 - p) / p for _, p in beaten if p >= TOLD_APART)
     probability = support.added.probability * shape_probability(support) / (1.0 + against)
-    return Belief(support.effect, probability, (support.name, *(r.name for r in near)))
+    return Belief(support.effect, probability, (support.name, *near))
 
 
 def shape_probability(support: Support) -> float:
