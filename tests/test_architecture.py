@@ -14,7 +14,16 @@ import fsm_calib
 ROOT = Path(fsm_calib.__file__).parent
 sys.path.insert(0, str(ROOT.parent / "benchmarks"))
 
-from house_imports import DIAGNOSIS, MAY_KNOW, diagnosis, files_of, problems, whole_house  # noqa: E402
+from house_imports import (  # noqa: E402
+    DIAGNOSIS,
+    MAY_KNOW,
+    House,
+    diagnosis,
+    files_of,
+    problems,
+    svg,
+    whole_house,
+)
 
 HOMES = {
     "pymunk": {"world2d"},
@@ -34,6 +43,19 @@ def test_the_plan_itself_has_no_circle_and_no_room_that_is_gone() -> None:
     assert order.index("types") < order.index("world2d") < order.index("runner") < order.index("cli")
     assert set(MAY_KNOW) == set(whole_house(FILES).rooms)
     assert set(DIAGNOSIS) == set(diagnosis(FILES).rooms)
+
+
+def figures(house: House) -> str:
+    """Return a house's row in the table of docs/architecture.md, without its name."""
+    return f"| {len(house.rooms)} | {max(house.floors.values())} | {len(house.arrows)} | {len(house.up)} |"
+
+
+def test_the_page_of_the_house_shows_the_house_as_it_stands() -> None:
+    docs = ROOT.parent / "docs"
+    page = (docs / "architecture.md").read_text(encoding="utf-8")
+    assert figures(whole_house(FILES)) in page
+    assert figures(diagnosis(FILES)) in page
+    assert (docs / "pictures" / "house.svg").read_text(encoding="utf-8") == svg(whole_house(FILES))
 
 
 def test_the_rooms_above_are_unknown_to_those_below() -> None:
