@@ -2,7 +2,7 @@
 
 Ten robots hide a sticky spot (tests/effects_outside/sticky_spot.py: size, place and radius drawn, and the rate at which
 it gives way, which the fit holds at its usual value), ten a rough patch, both with the other in the catalogue. Two
-drives of 50 s each with poses of 2 mm and 6 mrad at 15 Hz. About two minutes on one core.
+drives of 50 s each with poses of 2 mm and 6 mrad at 15 Hz. About ten minutes on one core.
 """
 
 from __future__ import annotations

@@ -133,6 +133,9 @@ def test_robots_are_told_apart_by_where_their_recordings_lie(tmp_path):
         (tmp_path / path).touch()
     found = {robot.name: len(robot.recordings) for robot in robots_in([tmp_path])}
     assert found == {"a": 2, "b": 2}
+    (tmp_path / "d" / "run").mkdir(parents=True)
+    (tmp_path / "d" / "run" / "manifest.yaml").write_text("format: fsm-calib/recording@1\n")
+    assert [robot.recordings for robot in robots_in([tmp_path / "d"])] == [(tmp_path / "d" / "run",)]
     assert [robot.name for robot in robots_in([tmp_path / "a", tmp_path / "a"])] == ["a", "a-2"]
     assert [robot.name for robot in robots_in([tmp_path / "a" / "one.bag"])] == ["one"]
     with pytest.raises(InputError, match="no recording"):

@@ -179,5 +179,6 @@ def test_a_folder_that_is_no_bag_is_refused_as_one(tmp_path):
 
 
 def test_a_folder_of_recordings_is_told_what_it_holds(tmp_path):
-    (tmp_path / "w.recording.yaml").write_text("")
-    assert "It holds w.recording.yaml: name those." in run("identify", tmp_path).stderr
+    for name in ("v", "w"):
+        (tmp_path / f"{name}.recording.yaml").write_text("")
+    assert "It holds v.recording.yaml, w.recording.yaml: name those." in run("identify", tmp_path).stderr

@@ -225,3 +225,20 @@ def test_fuzzed_manifests_and_tables_never_end_in_a_traceback():
     assert found["traceback"] == 0
     assert found["without a place"] == 0
     assert found["read"] + found["refused"] == 400
+
+
+def test_folder_with_one_manifest_of_any_name_is_that_recording(tmp_path) -> None:
+    path = write_recording(every_channel(), tmp_path / "run-a", compress=False)
+    path.rename(path.with_name("manifest.yaml"))
+    (path.parent / "notes.yaml").write_text("weather: rain\n")
+    assert read_recording(path.parent).pose is not None
+
+
+def test_folder_with_two_manifests_is_refused_and_both_are_named(tmp_path) -> None:
+    path = write_recording(every_channel(), tmp_path / "run-a", compress=False)
+    text = path.read_text()
+    path.unlink()
+    for name in ("first.yaml", "second.yaml"):
+        (path.parent / name).write_text(text)
+    with pytest.raises(InputError, match=r"first\.yaml, second\.yaml: name those"):
+        read_recording(path.parent)

@@ -9,8 +9,6 @@ import typer
 
 from fsm_calib.commands.files import check_places, print_findings, write_file
 
-LONGEST_HEAD = 4096  # characters in which a manifest names its format
-
 
 def init_command(
     files: Annotated[list[Path], typer.Argument(metavar="BAG|CSV", help="One bag, or CSV files.")],
@@ -21,7 +19,7 @@ def init_command(
     """Write a manifest with its guesses and comments, to be looked through and completed."""
     from fsm_calib.errors import InputError
     from fsm_calib.recording.draft import draft_of_bag, draft_of_tables
-    from fsm_calib.recording.read import BAG_SUFFIXES
+    from fsm_calib.recording.places import BAG_FOLDER, is_bag
 
     first = files[0]
     for file in files:
@@ -33,13 +31,13 @@ def init_command(
             "the manifest exists already", where=str(target), cure="Remove it, or name another with --out."
         )
     check_places(target)
-    if first.is_dir() and not (first / "metadata.yaml").is_file():
+    bag = is_bag(first)
+    if first.is_dir() and not bag:
         raise InputError(
-            "a folder without metadata.yaml is no ROS 2 bag",
+            f"a folder without {BAG_FOLDER} is no ROS 2 bag",
             where=str(first),
             cure="Give a bag, or CSV files.",
         )
-    bag = first.is_dir() or first.suffix in BAG_SUFFIXES
     if bag and len(files) > 1:
         raise InputError("a manifest is of one bag", where=str(files[1]), cure="Call it once for each bag.")
     beside = target.parent
@@ -51,19 +49,9 @@ def init_command(
 
 def is_recording(path: Path) -> bool:
     """Return whether a file is a recording's: a manifest by its first lines, a bag or a table by its name."""
-    from fsm_calib.recording.read import BAG_SUFFIXES, is_table
+    from fsm_calib.recording.places import is_bag, is_manifest, is_table
 
-    return is_manifest(path) or (path.is_file() and (path.suffix in BAG_SUFFIXES or is_table(path)))
-
-
-def is_manifest(path: Path) -> bool:
-    """Return whether a file says that it is a recording's manifest."""
-    try:
-        with open(path, encoding="utf-8", errors="replace") as stream:
-            head = stream.read(LONGEST_HEAD)
-    except (OSError, ValueError):
-        return False
-    return any(line.startswith("format:") and "fsm-calib/recording" in line for line in head.splitlines())
+    return path.is_file() and (is_manifest(path) or is_bag(path) or is_table(path))
 
 
 def validate_manifest_command(path: Path) -> None:

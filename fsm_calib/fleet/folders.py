@@ -7,10 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fsm_calib.errors import InputError
-from fsm_calib.recording.read import BAG_SUFFIXES, MANIFEST_END, MANIFEST_NAME
-
-BAG_FOLDER = "metadata.yaml"
-"""What makes a folder a ROS 2 bag."""
+from fsm_calib.recording.places import (
+    BAG_SUFFIXES,
+    MANIFEST_END,
+    MANIFEST_NAME,
+    is_bag,
+    manifest_in,
+    recordings_in,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +60,7 @@ def _robots_at(place: Path) -> Iterator[tuple[Path, tuple[Path, ...]]]:
     elif not place.exists() and named.is_file():
         yield place, (named,)
     elif place.is_dir():
-        if direct := tuple(path for path in sorted(place.iterdir()) if _is_bag(path) or _is_manifest(path)):
+        if direct := tuple(recordings_in(place)):
             yield place, direct
             return
         for folder in sorted(path for path in place.iterdir() if path.is_dir()):
@@ -69,25 +73,16 @@ def _below(folder: Path) -> Iterator[Path]:
     if _is_recording(folder):
         yield folder
         return
+    here = recordings_in(folder)
     for path in sorted(folder.iterdir()):
-        if _is_bag(path) or _is_manifest(path):
+        if path in here:
             yield path
         elif path.is_dir() and not path.is_symlink():
             yield from _below(path)
 
 
 def _is_recording(path: Path) -> bool:
-    return path.is_dir() and ((path / MANIFEST_NAME).is_file() or _is_bag(path))
-
-
-def _is_bag(path: Path) -> bool:
-    return (path.is_dir() and (path / BAG_FOLDER).is_file()) or (
-        path.is_file() and path.suffix in BAG_SUFFIXES
-    )
-
-
-def _is_manifest(path: Path) -> bool:
-    return path.is_file() and path.name.endswith((MANIFEST_END, MANIFEST_NAME))
+    return path.is_dir() and (is_bag(path) or manifest_in(path) is not None)
 
 
 def _behind(path: Path) -> Iterator[Path]:

@@ -9,22 +9,27 @@ from typing import TYPE_CHECKING
 from fsm_calib.errors import InputError
 from fsm_calib.recording.manifest import read_manifest
 from fsm_calib.recording.named import NOTHING, Named
+from fsm_calib.recording.places import (
+    BAG_SUFFIXES,
+    MANIFEST_END,
+    MANIFEST_SUFFIXES,
+    is_bag,
+    is_table,
+    manifest_in,
+    recordings_in,
+)
 from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.robot_files import with_facts
 
 if TYPE_CHECKING:
     from fsm_calib.recording.tag_poses import TagMap
 
-MANIFEST_SUFFIXES = (".yaml", ".yml")
-BAG_SUFFIXES = (".bag", ".mcap", ".db3")
-MANIFEST_NAME = "recording.yaml"
-MANIFEST_END = ".recording.yaml"
 TABLES = "A table needs a manifest that says what its columns are: fsm-calib recording init FILE.csv... writes one."
 
 
 def read_recording(path: str | Path, tag_map: str | Path | None = None, named: Named = NOTHING) -> Recording:
-    """Read a manifest, a folder that holds ``recording.yaml``, a ROS 1 ``.bag``, a ROS 2 bag folder or a
-    ``.mcap``; NAME stands for ``NAME.recording.yaml``.
+    """Read a manifest, a folder that holds one (``recording.yaml``, or a single one of any name), a ROS 1 ``.bag``, a
+    ROS 2 bag folder or a ``.mcap``; NAME stands for ``NAME.recording.yaml``.
 
     `tag_map` names a YAML file with the places of tags, for bags that hold tag detections and no poses; `named` says
     which topics of a bag to read, and facts of the robot that the recording itself does not state.
@@ -40,8 +45,8 @@ def read_recording(path: str | Path, tag_map: str | Path | None = None, named: N
         path = full
     if not path.exists():
         raise InputError("the recording does not exist", where=str(path))
-    if path.is_dir() and (path / MANIFEST_NAME).is_file():
-        path = path / MANIFEST_NAME
+    if path.is_dir():
+        path = manifest_in(path) or path
     if path.is_file() and path.suffix in MANIFEST_SUFFIXES and path.name != "metadata.yaml":
         if named.any_topic:
             raise InputError(
@@ -52,7 +57,7 @@ def read_recording(path: str | Path, tag_map: str | Path | None = None, named: N
         recording = read_manifest(path, _tags(tag_map))
         robot = recording.robot if named.robot is None else with_facts(recording.robot, named.robot)
         return dataclasses.replace(recording, robot=robot)
-    if path.suffix in BAG_SUFFIXES or (path.is_dir() and (path / "metadata.yaml").is_file()):
+    if path.suffix in BAG_SUFFIXES or is_bag(path):
         # bags need a heavy library that manifests do not
         from fsm_calib.recording.bags import read_bag
 
@@ -67,13 +72,8 @@ def read_recording(path: str | Path, tag_map: str | Path | None = None, named: N
 
 def _inside(folder: Path) -> str:
     """Return a sentence with some of the recordings that a folder holds; empty where it holds none."""
-    found = [p.name for p in sorted(folder.iterdir()) if p.name.endswith((MANIFEST_END, *BAG_SUFFIXES))]
+    found = [path.name for path in recordings_in(folder)]
     return f"It holds {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}: name those." if found else ""
-
-
-def is_table(path: Path) -> bool:
-    """Return whether a file is a table by its name: numbers, of which only a manifest says what they are."""
-    return path.name.lower().removesuffix(".gz").endswith((".csv", ".tsv", ".txt"))
 
 
 def _tags(tag_map: str | Path | None) -> TagMap | None:
