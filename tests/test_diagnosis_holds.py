@@ -52,6 +52,17 @@ def test_a_name_that_makes_the_held_out_prediction_worse_is_none():
     assert worse.holdout.after == worse.holdout.before
 
 
+def test_errors_that_stay_far_above_the_noise_beside_a_name_are_told():
+    without = [name for name in registry() if name != "motor_deadband"]
+    dead, leaning = {"motor_deadband__offset": 0.06}, {"floor_tilt__slope_x": 0.03}
+    fitted = [recording(s, **dead) for s in (0, 1)]
+    all_of_it = diagnose(fitted, [recording(2, **dead)], without=without).verdict
+    a_part = diagnose(fitted, [recording(2, **dead, **leaning)], without=without).verdict
+    assert [e.name for e in a_part.effects] == ["motor_deadband"]
+    assert "more is missing" in a_part.reason
+    assert "more is missing" not in all_of_it.reason
+
+
 def windows(rng, seconds=60.0, worse=None, by=6.0):
     """Return windows whose errors are those of the noise, `by` times as large from `worse` [s] for one block."""
     time = np.arange(0.0, seconds, 0.25)

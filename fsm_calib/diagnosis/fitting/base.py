@@ -26,7 +26,9 @@ GRIP_SPREAD, LEAST_GRIP, MOST_GRIP = (
     1.5,
 )  # 1: rubber on a wet or dusty floor to rubber on rubber; on dry hard ones 0.5 to 0.9
 AXLE_SPREAD = 0.05  # of the stated axle: a tape measures the track, tyres touch the floor a width beside it
-RADIUS_SPREAD = 0.05  # of the stated radius: tyres wear and are squeezed; the scale of measured wheel speeds
+SHEET_SPREAD = (
+    0.03  # of radius and axle where wheels are measured: data sheets err by 2.5 %, what is beyond is skid
+)
 FARTHEST = 4.0  # spreads: an axle or a wheel farther from the stated one is another physics, not a re-fit
 TYPICAL_LAG, LAG_SPREAD = (
     0.15,
@@ -61,12 +63,12 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
         names += ["wheel_radius_left", "wheel_radius_right"]
     scale = scale_of(simulators[0])
     slots = [slot_of(name, scale=scale) for name in names]
-    robot = simulators[0].prepared.recording.robot
+    robot, measured = simulators[0].prepared.recording.robot, simulators[0].measured_input
     if robot.axle_length:
-        slots[2] = near(slots[2], robot.axle_length, AXLE_SPREAD)
-    if robot.wheel_radius and simulators[0].measured_input:
-        slots[:2] = [near(slot, float(values[slot.place]), RADIUS_SPREAD) for slot in slots[:2]]
-    if simulators[0].measured_input:
+        slots[2] = near(slots[2], robot.axle_length, SHEET_SPREAD if measured else AXLE_SPREAD)
+    if robot.wheel_radius and measured:
+        slots[:2] = [near(slot, float(values[slot.place]), SHEET_SPREAD) for slot in slots[:2]]
+    if measured:
         trail = replace(slot_of("tau_turn"), high=LONGEST_TRAIL, centre=TYPICAL_TRAIL, spread=TRAIL_SPREAD)
         return (*slots, trail)
     lags = (TYPICAL_LAG, TYPICAL_LAG * turning_share(robot, values))

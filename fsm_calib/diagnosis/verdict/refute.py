@@ -1,4 +1,4 @@
-"""A match must hold, in the tails too, and a name must not make the prediction worse."""
+"""A match must hold, in the tails too, a name must not make the prediction worse, and what stays beside it is told."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from fsm_calib.diagnosis.verdict.model import bare_model
 
 WORSE = 1.1  # times the base robot's error over the horizon in one channel, with the other no better: that is no cure
 
+ABOVE_FLOOR = 1.5  # times the noise's floor: a right model of all of it leaves errors within a tenth of that
+
 
 def refuted(
     decision: Decision, train: Comparison, holdout: Comparison | None, new: Sequence[Simulator]
@@ -21,10 +23,12 @@ def refuted(
     """Return the decision, `unexplained` where it was a match that some stretch of a recording contradicts.
 
     So is a decision whose names make the prediction of held-out recordings worse; its model is then the base robot.
+    Names that hold but leave errors far above the noise's are told to be not all.
     new : the simulators of the held-out recordings.
     """
     if decision.outcome == "explained":
-        return _unless_worse(decision, holdout) if holdout is not None else decision
+        kept = _unless_worse(decision, holdout) if holdout is not None else decision
+        return kept if kept is not decision else _with_what_stays(decision, holdout or train)
     if decision.outcome != "match":
         return decision
     fitted = decision.engine.simulators
@@ -63,6 +67,16 @@ def _unless_worse(decision: Decision, seen: Comparison) -> Decision:
     )
     model = bare_model(decision.engine, decision.base, decision.location)
     return replace(decision, outcome="unexplained", reason=reason, named=(), model=model)
+
+
+def _with_what_stays(decision: Decision, seen: Comparison) -> Decision:
+    """Return the decision; where its model errs far above the noise's floor, the reason says that more is missing."""
+    pairs = ((seen.after.xy_m, seen.floor.xy_m), (seen.after.theta_rad, seen.floor.theta_rad))
+    times = max((after / floor for after, floor in pairs if floor > 0.0), default=0.0)
+    if times < ABOVE_FLOOR:
+        return decision
+    said = f"{decision.reason}, but errors stay at {times:.1f} times the noise's floor: more is missing"
+    return replace(decision, reason=said)
 
 
 def _located(location: Location, breach: Breach) -> Location:

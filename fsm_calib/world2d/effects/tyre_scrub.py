@@ -4,13 +4,14 @@ r"""The tyres' wide contact resists turning.
     s1^2 <- s1^2 + (spin omega)^2                a contact that spins slips more easily
 
 M [N m] about the vertical: half the contact's length times friction times load for each wheel; omega [rad/s] yaw
-rate; rate [rad/s] below which it acts as a damper: a turning contact slides as a whole only when it turns faster
-than its tread can bend and roll off. Tread that rolls off is renewed, so that a rolling tyre resists less: by its turn
-slip, yaw rate over rolling speed, which slides as a whole above roll [1/m] only; v [m/s] the axle centre's speed, h [m]
-half the axle: what is beside roll is the mean square of the wheels' speeds. s1 [m/s] is the slip speed of `dynamics`; spin [m] is of the size of the contact:
-its points slide by the spin already, in all directions, and a small slip only tips their balance. Contact models with
-one cone for sliding and spinning have it, too, larger (MuJoCo's a tenth of a metre). Skidding treads (`skid_steer`)
-slip as they turn, too, and this length would take their place, so it only refines scrub that has been found without it.
+rate; rate [rad/s] below which it acts as a damper: a turning contact slides as a whole only when it turns faster than
+its tread can bend and roll off. Tread that rolls off is renewed, so that a rolling tyre resists less: by its turn
+slip, yaw rate over rolling speed, which slides as a whole above roll [1/m] only; v [m/s] the axle centre's speed, h
+[m] half the axle: what is beside roll is the mean square of the wheels' speeds. s1 [m/s] is the slip speed of
+`dynamics`; spin [m] is of the size of the contact: its points slide by the spin already, in all directions, and a
+small slip only tips their balance. Contact models with one cone for sliding and spinning have it, too, larger
+(MuJoCo's a tenth of a metre). Skidding treads (`skid_steer`) slip as they turn, too, and this length would take their
+place, so it only refines scrub that has been found without it.
 Sources: Pacejka, Tyre and Vehicle Dynamics, 3rd ed. 2012, section 9.2 (turn slip and parking torque); Leine & Glocker,
 Eur. J. Mech. A 22 (2003) 193 (Contensou's friction: sliding and spinning at once).
 """
