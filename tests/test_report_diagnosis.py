@@ -19,7 +19,7 @@ from fsm_calib.recording.channels import CommandTrack, PoseTrack, StateTrack, Wh
 from fsm_calib.recording.recording import Recording, RobotFacts
 from fsm_calib.report import diagnosis_signature, digits
 from fsm_calib.report.diagnosis_figures import state_colour, unjoined
-from fsm_calib.report.diagnosis_paths import SEGMENT, drives, predicted_paths, state_spans
+from fsm_calib.report.diagnosis_paths import SEGMENT, drives, predicted_paths, state_spans, titles_of
 from fsm_calib.report.diagnosis_report import diagnosis_page, write_report
 from fsm_calib.report.diagnosis_world import world_text
 from fsm_calib.scenario.load import load_scenario
@@ -262,3 +262,16 @@ def test_wheel_speeds_alone_are_refused_with_a_cure() -> None:
     alone = Recording(wheel_rate=WheelPair(time, np.ones(100), np.ones(100), "rad/s"))
     with pytest.raises(DataError, match="no poses"):
         diagnose([alone])
+
+
+def test_recordings_are_called_by_file_or_folder_and_by_both_where_two_share_a_name():
+    assert titles_of(["lab/run-a/recording.yaml", "lab/x.recording.yaml", "lab/drive.bag"]) == [
+        "run-a",
+        "x",
+        "drive.bag",
+    ]
+    assert titles_of(["run-a/manifest.yaml", "run-b/manifest.yaml"]) == [
+        "run-a/manifest.yaml",
+        "run-b/manifest.yaml",
+    ]
+    assert titles_of(["folder/bag/", "simulated"]) == ["bag", "simulated"]

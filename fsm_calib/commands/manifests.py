@@ -19,13 +19,13 @@ def init_command(
     """Write a manifest with its guesses and comments, to be looked through and completed."""
     from fsm_calib.errors import InputError
     from fsm_calib.recording.draft import draft_of_bag, draft_of_tables
-    from fsm_calib.recording.places import BAG_FOLDER, is_bag
+    from fsm_calib.recording.places import BAG_FOLDER, MANIFEST_END, is_bag
 
     first = files[0]
     for file in files:
         if not file.exists():
             raise InputError("the file does not exist", where=str(file))
-    target = out or first.with_name(first.name.split(".")[0] + ".recording.yaml")
+    target = out or first.with_name(first.name.split(".")[0] + MANIFEST_END)
     if target.exists():
         raise InputError(
             "the manifest exists already", where=str(target), cure="Remove it, or name another with --out."

@@ -12,6 +12,7 @@ from fsm_calib.recording.places import (
     MANIFEST_END,
     MANIFEST_NAME,
     is_bag,
+    is_bag_or_manifest,
     manifest_in,
     recordings_in,
 )
@@ -73,9 +74,8 @@ def _below(folder: Path) -> Iterator[Path]:
     if _is_recording(folder):
         yield folder
         return
-    here = recordings_in(folder)
     for path in sorted(folder.iterdir()):
-        if path in here:
+        if is_bag_or_manifest(path):
             yield path
         elif path.is_dir() and not path.is_symlink():
             yield from _below(path)

@@ -43,10 +43,13 @@ def manifest_in(folder: Path) -> Path | None:
 
 
 def recordings_in(folder: Path) -> list[Path]:
-    """Return the bags and manifests that lie in a folder, in order; a manifest by its name or by what it says."""
-    return [path for path in sorted(folder.iterdir()) if is_bag(path) or _is_manifest(path)]
+    """Return the bags and manifests that lie in a folder, in order."""
+    return [path for path in sorted(folder.iterdir()) if is_bag_or_manifest(path)]
 
 
-def _is_manifest(path: Path) -> bool:
+def is_bag_or_manifest(path: Path) -> bool:
+    """Return whether a path is a bag, or a manifest by its name or by what it says."""
+    if is_bag(path):
+        return True
     by_name = path.name.endswith((MANIFEST_END, MANIFEST_NAME))
     return path.is_file() and (by_name or (path.suffix in MANIFEST_SUFFIXES and is_manifest(path)))

@@ -10,6 +10,7 @@ from fsm_calib.errors import InputError
 from fsm_calib.recording.manifest import read_manifest
 from fsm_calib.recording.named import NOTHING, Named
 from fsm_calib.recording.places import (
+    BAG_FOLDER,
     BAG_SUFFIXES,
     MANIFEST_END,
     MANIFEST_SUFFIXES,
@@ -47,7 +48,7 @@ def read_recording(path: str | Path, tag_map: str | Path | None = None, named: N
         raise InputError("the recording does not exist", where=str(path))
     if path.is_dir():
         path = manifest_in(path) or path
-    if path.is_file() and path.suffix in MANIFEST_SUFFIXES and path.name != "metadata.yaml":
+    if path.is_file() and path.suffix in MANIFEST_SUFFIXES and path.name != BAG_FOLDER:
         if named.any_topic:
             raise InputError(
                 "topics are named for a manifest, which names its channels itself",

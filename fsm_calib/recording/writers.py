@@ -33,6 +33,7 @@ from fsm_calib.recording.duckietown_messages import (
     writing_store,
 )
 from fsm_calib.recording.manifest_schema import FORMAT
+from fsm_calib.recording.places import MANIFEST_NAME
 from fsm_calib.recording.recording import Recording
 
 TOPIC = "/fsm_calib/{}"
@@ -62,7 +63,7 @@ def write_recording(recording: Recording, folder: Path, compress: bool = True) -
         sections[CHANNEL_KEYS.get(name, name)] = {"file": file} | _section(name, channel)
     facts = {key: value for key, value in asdict(recording.robot).items() if value is not None}
     manifest = {"format": FORMAT, "robot": facts, "channels": sections}
-    path = folder / "recording.yaml"
+    path = folder / MANIFEST_NAME
     path.write_text(
         yaml.safe_dump(manifest, sort_keys=False, default_flow_style=None, width=200), encoding="utf-8"
     )

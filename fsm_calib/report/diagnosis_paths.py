@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.transfer import on_new_recording
 from fsm_calib.diagnosis.proof.windows import Windows
 from fsm_calib.diagnosis.replay.prepared import Prepared
+from fsm_calib.recording.places import MANIFEST_END, MANIFEST_NAME
 from fsm_calib.types import FloatArray
 
 SEGMENT = (
@@ -66,17 +68,33 @@ def drives(diagnosis: Diagnosis) -> list[Drive]:
         steps = simulator.increments(decision.base.values[:1])[0], simulator.increments(after)[0]
         found.append(_drive(simulator.prepared, windows, steps, judged=True))
     improved = bool(decision.model.effects)
-    return [replace(drive, is_improved=improved) for drive in found]
+    titles = titles_of([drive.title for drive in found])
+    return [replace(d, title=title, is_improved=improved) for d, title in zip(found, titles, strict=True)]
+
+
+def titles_of(sources: Sequence[str]) -> list[str]:
+    """Return what recordings are called by where they lie: their file or folder, and where two share that, both."""
+    short = [_file_or_folder(source) for source in sources]
+    return [
+        title if short.count(title) == 1 else "/".join(_parts(source)[-2:])
+        for title, source in zip(short, sources, strict=True)
+    ]
+
+
+def _file_or_folder(source: str) -> str:
+    *folders, last = _parts(source)
+    return folders[-1] if last == MANIFEST_NAME and folders else last.replace(MANIFEST_END, "")
+
+
+def _parts(source: str) -> list[str]:
+    return source.replace("\\", "/").rstrip("/").split("/")
 
 
 def _drive(
     p: Prepared, windows: tuple[Windows, Windows], steps: tuple[FloatArray, FloatArray], judged: bool
 ) -> Drive:
-    title = p.name.replace("\\", "/").rsplit("/", 1)[-1].replace(".recording.yaml", "")
-    if title in ("recording.yaml", ""):
-        title = p.name.rstrip("/").rsplit("/", 2)[-2]
     return Drive(
-        title, judged, p.poses.placed, state_spans(p), *windows, p.time, p.reference,
+        p.name, judged, p.poses.placed, state_spans(p), *windows, p.time, p.reference,
         predicted_paths(p, steps[0]), predicted_paths(p, steps[1]),
     )  # fmt: skip
 

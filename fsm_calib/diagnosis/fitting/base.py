@@ -26,9 +26,7 @@ GRIP_SPREAD, LEAST_GRIP, MOST_GRIP = (
     1.5,
 )  # 1: rubber on a wet or dusty floor to rubber on rubber; on dry hard ones 0.5 to 0.9
 AXLE_SPREAD = 0.05  # of the stated axle: a tape measures the track, tyres touch the floor a width beside it
-SHEET_SPREAD = (
-    0.03  # of radius and axle where wheels are measured: data sheets err by 2.5 %, what is beyond is skid
-)
+SHEET_SPREAD = 0.03  # of radius and axle where wheels are measured: sheets err by 2.5 %, beyond it is skid
 FARTHEST = 4.0  # spreads: an axle or a wheel farther from the stated one is another physics, not a re-fit
 TYPICAL_LAG, LAG_SPREAD = (
     0.15,
@@ -58,12 +56,12 @@ def base_slots(simulators: Sequence[Simulator], values: FloatArray) -> tuple[Slo
     Gains, axle, two time constants and the tyres' slip speed under a prior, and with encoders the wheel radii; measured
     wheel speeds have no motor between them and the floor, turning alone trails them.
     """
-    names = list(NUISANCE[:3]) if simulators[0].measured_input else list(NUISANCE)
+    robot, measured = simulators[0].prepared.recording.robot, simulators[0].measured_input
+    names = list(NUISANCE[:3]) if measured else list(NUISANCE)
     if have_encoders(simulators):
         names += ["wheel_radius_left", "wheel_radius_right"]
     scale = scale_of(simulators[0])
     slots = [slot_of(name, scale=scale) for name in names]
-    robot, measured = simulators[0].prepared.recording.robot, simulators[0].measured_input
     if robot.axle_length:
         slots[2] = near(slots[2], robot.axle_length, SHEET_SPREAD if measured else AXLE_SPREAD)
     if robot.wheel_radius and measured:

@@ -13,8 +13,7 @@ from fsm_calib.diagnosis.verdict.decide import Decision
 from fsm_calib.diagnosis.verdict.model import bare_model
 
 WORSE = 1.1  # times the base robot's error over the horizon in one channel, with the other no better: that is no cure
-
-ABOVE_FLOOR = 1.5  # times the noise's floor: a right model of all of it leaves errors within a tenth of that
+ABOVE_FLOOR = 1.5  # times the noise's floor: a model that lacks nothing errs within a tenth of the floor
 
 
 def refuted(
@@ -28,7 +27,7 @@ def refuted(
     """
     if decision.outcome == "explained":
         kept = _unless_worse(decision, holdout) if holdout is not None else decision
-        return kept if kept is not decision else _with_what_stays(decision, holdout or train)
+        return _with_what_stays(kept, holdout or train) if kept.outcome == "explained" else kept
     if decision.outcome != "match":
         return decision
     fitted = decision.engine.simulators
