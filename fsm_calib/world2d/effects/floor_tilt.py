@@ -1,33 +1,40 @@
 r"""The floor is not level.
 
-    F = -m g (slope_x, slope_y)       in `world`, at the centre of mass
+    F = -m g (slope_x + curve_x x + twist y, slope_y + twist x + curve_y y)     in `world`, at the centre of mass
 
-m [kg], g = 9.80665 m/s2, slope_x and slope_y [rad]: rise of the floor along the axes of `world` (small
-angles). The robot rolls downhill also with its motors off. Source: gravity on an inclined plane.
+m [kg], g = 9.80665 m/s2, slope_x and slope_y [rad]: rise of the floor along the axes of `world` (small angles), all
+over it or, where it is curved, at the origin; x, y [m] the axle's centre in `world`; curve_x, curve_y, twist [rad/m]:
+how much the slopes grow with every metre (the height's second derivatives; slopes of a height have one twist). A floor
+that sags to its middle or to a drain has positive curves, one that drops to its edges negative ones. The robot rolls
+downhill also with its motors off. Source: gravity on an inclined plane; the height's second order over the place.
 """
 
 from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import FORCE_DOUBT, Effect, Parameter
+from fsm_calib.world2d.effects.effect import FORCE_DOUBT, Closure, Effect, Parameter
 from fsm_calib.world2d.forces import add_force
-from fsm_calib.world2d.slots import COM_X, COM_Y, COS, GRAVITY, MASS, SIN
+from fsm_calib.world2d.slots import COM_X, COM_Y, COS, GRAVITY, MASS, PLACE_X, PLACE_Y, SIN
 
 
 @njit(error_model="numpy")
 def pull(P, o, S, m, W):
     """Add the weight's component along the floor."""
-    gx, gy = -GRAVITY * W[MASS] * P[o], -GRAVITY * W[MASS] * P[o + 1]
+    weight = GRAVITY * W[MASS]
+    gx = -weight * (P[o] + P[o + 2] * W[PLACE_X] + P[o + 4] * W[PLACE_Y])
+    gy = -weight * (P[o + 1] + P[o + 4] * W[PLACE_X] + P[o + 3] * W[PLACE_Y])
     fx, fy = W[COS] * gx + W[SIN] * gy, W[COS] * gy - W[SIN] * gx
     add_force(W, fx, fy, W[COM_X] * fy - W[COM_Y] * fx)
 
+
+CURVED = "1 to 2 % of slope over a metre or two towards a drain"
 
 EFFECT = Effect(
     name="floor_tilt",
     family="floor",
     summary="the floor is not level",
-    equation="F = -m g (slope_x, slope_y) in the world",
+    equation="F = -m g (slope + curve p) in the world",
     parameters=(
         Parameter("slope_x", "alpha_x", "rad", 0.0, -0.2, 0.2, 0.02, "0.5 to 3 degrees", doubt=FORCE_DOUBT),
         Parameter(
@@ -42,9 +49,29 @@ EFFECT = Effect(
             mirror="negate",
             doubt=FORCE_DOUBT,
         ),
+        *(
+            Parameter(
+                name,
+                symbol,
+                "rad/m",
+                0.0,
+                -0.1,
+                0.1,
+                0.0,
+                CURVED,
+                mirror=mirror,
+                doubt=FORCE_DOUBT,
+                step=1e-5,
+            )
+            for name, symbol, mirror in (
+                ("curve_x", "kappa_x", "same"),
+                ("curve_y", "kappa_y", "same"),
+                ("twist", "kappa_xy", "negate"),
+            )
+        ),
     ),
     hooks={"step": pull},
-    reads=("heading",),
+    reads=("place", "heading"),
     channels=("forward", "turn"),
     regimes=("heading", "standstill"),
     separates="changes sign with the heading and creeps at standstill; a carpet's nap does not creep",
@@ -52,5 +79,15 @@ EFFECT = Effect(
     manoeuvre="straights on four headings, each followed by a rest with the wheels at zero",
     sentence="The floor rises by {slope_x} along x and {slope_y} along y.",
     source="gravity on an inclined plane",
+    closures=(
+        Closure("plane", ("slope_x", "slope_y"), "the same slope everywhere"),
+        Closure(
+            "curved",
+            ("slope_x", "slope_y", "curve_x", "curve_y", "twist"),
+            "a slope that changes with the place: a hollow, a crown, a gutter",
+            sentence="The floor rises by {slope_x} along x and {slope_y} along y at the origin, and by {curve_x} and "
+            "{curve_y} more with every metre along them.",
+        ),
+    ),
     order=80,
 )

@@ -1,0 +1,42 @@
+"""A floor that is not level: a plane pulls alike everywhere, a hollow towards its deepest point."""
+
+import numpy as np
+import pytest
+from diagnosis_robots import recording
+
+from fsm_calib.diagnosis.diagnose import diagnose
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameters
+from fsm_calib.world2d.rollout import Drive, simulate
+
+SAMPLES = np.arange(0.0, 6.0, 0.05)
+CONSIDERED = ("floor_tilt", "carpet_nap", "rough_floor_patch", "coulomb_friction")
+WITHOUT = [name for name in registry() if name not in CONSIDERED]
+
+
+def rolled(x, y, **tilt):
+    """Return by how much (2,) [m] a robot that looks along x rolls from (x, y) with its motors off."""
+    vector = parameters({f"floor_tilt.{name}": value for name, value in tilt.items()})
+    path = simulate(vector, Drive([0.0], [0.0], [0.0]), SAMPLES, (x, y, 0.0))
+    return path[-1, :2] - (x, y)
+
+
+def test_in_a_hollow_a_robot_rolls_to_the_middle_from_either_side():
+    hollow = {"curve_x": 0.05, "curve_y": 0.05}
+    assert rolled(1.0, 0.0, **hollow)[0] < -1e-3
+    assert rolled(-1.0, 0.0, **hollow)[0] > 1e-3
+    assert rolled(0.0, 0.0, **hollow) == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_a_floor_with_a_twist_rises_along_x_as_one_goes_along_y():
+    assert rolled(0.0, 1.0, twist=0.05)[0] < -1e-3
+    assert rolled(0.0, -1.0, twist=0.05)[0] > 1e-3
+
+
+def test_a_hollow_is_named_a_tilt_that_is_curved_and_its_curve_is_measured():
+    hidden = {"floor_tilt__slope_x": 0.01, "floor_tilt__curve_x": 0.03, "floor_tilt__curve_y": 0.03}
+    found = diagnose([recording(seed, 30.0, **hidden) for seed in (1, 2)], without=WITHOUT)
+    (tilt,) = found.verdict.effects
+    assert (tilt.name, tilt.closure) == ("floor_tilt", "curved")
+    for name in ("curve_x", "curve_y"):
+        assert tilt.parameters[name].value == pytest.approx(0.03, abs=3.0 * tilt.parameters[name].sd)
