@@ -6,7 +6,9 @@ Each robot is drawn from the fleet and then moved to an edge by its number: moto
 off their centre, commands late, dim light, noise, slow shutter, defocus, and for every second one a fault at a random
 moment. A *wrong done* ends in `done` with a deviation beyond 10 cm after 2 m (with the calibration that the robot is left with) or
 a camera error beyond twice its own prediction, which 95 of 100 such calibrations should stay within: how many do, and
-how many good results were refused, is told beside it. Results are kept in out/benchmarks/, so that an interrupted call goes on.
+how many good results were refused, is told beside it. A run that its fault cut short, with what it had calibrated until
+then in order, is told apart from a refusal: what is left of the run could not be driven. Results are kept in
+out/benchmarks/, so that an interrupted call goes on.
 """
 
 from __future__ import annotations
@@ -135,12 +137,19 @@ def tell_refusals(rows: list[dict[str, Any]]) -> None:
     """Print how many good results were not reported as such: the run did not end in done, or without the asked error."""
     good = [row for row in rows if is_good(row)]
     ended = [row for row in good if row["outcome"] != "done"]
+    refused = [row for row in ended if not fault_of(row)]
     short = [row for row in good if row["outcome"] == "done" and not row["camera"]["reached"]]
+    cut = Counter(f"{fault_of(row)}: {fleet_runs.ended(row).split()[0]}" for row in ended if fault_of(row))
     print(
-        f"{len(good)} good results: {len(ended)} of them not done ({dict(Counter(map(fleet_runs.ended, ended)))}), "
-        f"{sum('faults' not in edges_of(row['seed'])[1] for row in ended)} of these without a fault; {len(short)} done but "
-        "for the camera error that was asked for"
+        f"{len(good)} good results: {len(refused)} of them refused ({len(refused) / max(len(good), 1):.1%}); "
+        f"{cut.total()} cut short by their fault ({dict(cut)}); {len(short)} done but for the camera error that was asked for"
     )
+
+
+def fault_of(row: Mapping[str, Any]) -> str:
+    """Return the kind of the fault that had begun when a run ended; empty for none."""
+    faults = edges_of(row["seed"])[1].get("faults", ())
+    return next((str(f["kind"]) for f in faults if f["at"] < row["seconds"]["simulated"]), "")
 
 
 def report(rows: list[dict[str, Any]]) -> bool:

@@ -12,7 +12,7 @@ import pytest
 from scipy.stats import norm
 
 from fsm_calib.diagnosis.proof.gap import LOGISTIC, TOLD_APART, Gap
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Adequacy
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, EXACT, Adequacy
 from fsm_calib.diagnosis.shapes.locate import SIGNIFICANT
 from fsm_calib.diagnosis.verdict import decide
 from fsm_calib.diagnosis.verdict.decide import Decision, Judge
@@ -37,11 +37,12 @@ FORMS = {"instead": -100.0, "beside": 0.0, "instead_quantities": ("speed",), "be
 
 def support(
     name: str = "motor_deadband", *, added: float = NEVER, spread: float = 0.0, share: float = 1.0,
-    rivals: dict[str, float] | None = None, moved: float = 0.0, **forms: object,
+    rivals: dict[str, float] | None = None, moved: float = 0.0, elsewhere: float = 0.0, **forms: object,
 ) -> Support:  # fmt: skip
     """A support of an effect, with the gaps in evidence to its rivals and what un-named forms do."""
     gaps = tuple(RivalGap(n, Gap(gap, 0.0), None) for n, gap in (rivals or {}).items())  # type: ignore[arg-type]
-    effect, law = SimpleNamespace(name=name), SimpleNamespace(moved=moved)
+    effect = SimpleNamespace(name=name, hypothesis=SimpleNamespace(elsewhere=elsewhere))
+    law = SimpleNamespace(moved=moved)
     said = FORMS | forms
     contest = SimpleNamespace(stand_in=said["instead"], **said)
     return Support(effect, None, Gap(added, spread), share, gaps, law, contest)  # type: ignore[arg-type]
@@ -84,6 +85,30 @@ def test_uneven_evidence_beside_stronger_effects_counts_against_a_name(share: fl
 def test_what_acts_in_one_place_may_be_less_even() -> None:
     uneven = support("low_friction_patch", added=100.0, spread=50.0, share=0.1)
     assert uneven.patchy == pytest.approx(0.9 * math.log1p(STEADY_HERE * 0.5))
+
+
+def test_a_moment_is_uneven_by_what_the_best_other_moment_promises() -> None:
+    push = support("external_push", added=100.0, spread=95.0, share=0.1, elsewhere=10.0)
+    inexact = EXACT * 900.0
+    assert push.alone == Gap(100.0, pytest.approx(math.hypot(20.0, inexact)))
+    assert push.patchy == pytest.approx(0.9 * math.log1p(STEADY_HERE * math.hypot(0.2, inexact / 100.0)))
+
+
+def test_a_moment_of_a_hundredth_of_what_the_others_explain_is_within_what_their_equations_leave() -> None:
+    small, large = (
+        belief_of(support("external_push", added=100.0, spread=95.0, share=share, elsewhere=2.0))
+        for share in (0.01, 0.2)
+    )
+    assert small.probability < 0.6 < 0.9 < large.probability
+
+
+def test_a_moment_that_others_equal_is_not_believed() -> None:
+    stands_out, does_not = (
+        belief_of(support("external_push", added=100.0, spread=95.0, share=0.1, elsewhere=e)).probability
+        for e in (2.0, 50.0)
+    )
+    assert stands_out > 0.9
+    assert does_not < 0.6
 
 
 def test_what_stands_alone_is_no_patch_however_uneven() -> None:

@@ -5,14 +5,14 @@ r"""How sure is a name? It must add something, beat its rivals, and be the law t
                         - PATCHY patchy
 
 added, p_r : from the gaps in evidence over nothing and over rival r, each tempered by its own spread from second to
-second (`proof/gap.py`), that over a rival also by a hundredth of what the name explains (EXACT: no equation is exact to
-less). left, replaced, moved [1] : shares of what the name explains that un-named forms explain beside
-it, or better in its place, and that is another law in each drive; patchy [1] : how well it could mend what is inexact
-in stronger effects (`verdict/support.py`). A right name whose equation is another than ours and a wrong neighbour
-differ in these shares, not in sizes. The numbers were set on opened development robots (`benchmarks/concealed`,
-`benchmarks/engine` with the mass behind the axle, `benchmarks/foreign` seed 1), right names against names given when
-the true one had been taken out of the catalogue; PATCHY on sets whose keys had been opened (`benchmarks/foreign` seeds
-7, 8 and 10 to 12, one set of `benchmarks/concealed`). No robot was among them that was sealed at the time.
+second (`proof/gap.py`; a moment over nothing by what other moments promise, `Support.alone`), that over a rival also by
+a hundredth of what the name explains (EXACT: no equation is exact to less). left, replaced, moved [1] : shares of what
+the name explains that un-named forms explain beside it, or better in its place, and that is another law in each drive;
+patchy [1] : how well it could mend what is inexact in stronger effects (`verdict/support.py`). A right name whose
+equation is another than ours and a wrong neighbour differ in these shares, not in sizes. The numbers were set on opened
+development robots (`benchmarks/concealed`, `benchmarks/engine` with the mass behind the axle, `benchmarks/foreign` seed
+1), right names against names given when the true one had been taken out of the catalogue; PATCHY on sets whose keys had
+been opened (`benchmarks/foreign` seeds 7, 8 and 10 to 12, one set of `benchmarks/concealed`). No robot was among them that was sealed at the time.
 docs/constants.md lists them.
 """
 
@@ -55,7 +55,7 @@ def belief_of(support: Support) -> Belief:
     beaten = [(r.name, r.gap.probability_within(inexact)) for r in support.rivals]
     near = [name for name, p in beaten if p < TOLD_APART]
     against = sum((1.0 - p) / p for _, p in beaten if p >= TOLD_APART)
-    probability = support.added.probability * shape_probability(support) / (1.0 + against)
+    probability = support.alone.probability * shape_probability(support) / (1.0 + against)
     return Belief(support.effect, probability, (support.name, *near))
 
 

@@ -10,6 +10,7 @@ from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.proof.form_test import Contest
 from fsm_calib.diagnosis.proof.gap import Gap
+from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.proof.one_law import OneLaw
 from fsm_calib.world2d.effects import registry
 
@@ -49,6 +50,21 @@ class Support:
         return self.effect.name
 
     @property
+    def alone(self) -> Gap:
+        """What the effect adds, and how much of that what is inexact elsewhere may bring about.
+
+        Of a law that is its spread from second to second. A moment's evidence lies in one second by nature. What the
+        best other moment promises tells what chance, and whatever is missing, make of a second; and no equation of the
+        others is exact to less than a hundredth of what they explain (EXACT), which may all show at once, when a gear's
+        play is first taken up.
+        """
+        elsewhere = 2.0 * self.effect.hypothesis.elsewhere
+        if elsewhere <= 0.0:
+            return self.added
+        others = max(self.added.evidence, 0.0) * (1.0 - self.share) / max(self.share, 1e-9)
+        return Gap(self.added.evidence, math.hypot(elsewhere, EXACT * others))
+
+    @property
     def left(self) -> float:
         """What un-named forms beside the whole model explain, as a share of what the effect adds."""
         return max(self.forms.beside, 0.0) / max(self.added.evidence, 1.0)
@@ -76,14 +92,14 @@ class Support:
         """How well it could be a patch on what is inexact in the other effects, 0 to infinity.
 
         (1 - share) log(1 + STEADY spread / added): the others' part of the evidence, and how unevenly its own lies over
-        the drives' seconds. What acts in one place or at one time is uneven by nature (STEADY_HERE). Physics that every
-        robot has needs no such excuse, and what keeps time with the wheels' turning mends nothing else.
+        the drives' seconds (`alone`). What acts in one place or at one time is uneven by nature (STEADY_HERE). Physics
+        that every robot has needs no such excuse, and what keeps time with the wheels' turning mends nothing else.
         """
         effect = registry()[self.name]
         if effect.universal or "wheel_angle" in effect.reads:
             return 0.0
         steady = STEADY_HERE if effect.scan else STEADY
-        return (1.0 - self.share) * math.log1p(steady * self.added.spread / max(self.added.evidence, 1.0))
+        return (1.0 - self.share) * math.log1p(steady * self.alone.spread / max(self.added.evidence, 1.0))
 
     @property
     def moved(self) -> float:
