@@ -162,10 +162,10 @@ def test_one_of_two_sizes_is_enough_for_both(saturated, smoothing, holds):
     assert has_size(both) is holds
 
 
-@pytest.mark.parametrize(("duration", "holds"), [(0.7, False), (6.0, True)])
-def test_a_fault_as_short_as_a_push_is_none(saturated, duration, holds):
-    _, base, _ = saturated
-    assert lasts(at_value(base, "motor_fault", "duration", duration)) is holds
+@pytest.mark.parametrize(("duration", "holds"), [(0.7, False), (6.0, True), (60.0, False)])
+def test_a_fault_as_short_as_a_push_or_as_long_as_the_drive_is_none(saturated, duration, holds):
+    engine, base, _ = saturated
+    assert lasts(at_value(base, "motor_fault", "duration", duration), engine.simulators) is holds
 
 
 @pytest.mark.parametrize(("start", "holds"), [(12.0, True), (20.5, False), (38.5, False)])

@@ -108,10 +108,11 @@ def test_what_stands_in_for_a_name_is_of_the_quantities_that_are_left(tilted):
     assert late.stand_in < place.stand_in <= place.instead
 
 
-def test_an_event_may_be_what_shows_most_of_any_remainder():
-    push = Ranked(Hypothesis("external_push", ("impulse_x",), 0), None, 400.0, 200.0)
-    event = replace(support(beside=300.0, instead=-500.0), effect=push)
-    assert shape_probability(event) < 0.5
+@pytest.mark.parametrize(("spread", "believed"), [(300.0, False), (5.0, True)])
+def test_an_event_may_be_what_shows_most_of_any_remainder_unless_it_stands_out(spread, believed):
+    push = Ranked(Hypothesis("external_push", ("impulse_x",)), None, 400.0, 200.0)
+    event = replace(support(beside=300.0, instead=-500.0), effect=push, added=Gap(400.0, spread))
+    assert (shape_probability(event) > 0.5) is believed
 
 
 def test_what_cannot_be_asked_says_nothing_against_a_name():

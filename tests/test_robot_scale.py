@@ -2,16 +2,13 @@
 
 import dataclasses
 
-import numpy as np
 import pytest
 from diagnosis_robots import recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, slots_of
-from fsm_calib.diagnosis.candidates.scan_pushes import KICK, Pushes, push_of
 from fsm_calib.diagnosis.fitting.base import TYPICAL_LAG, base_slots, turning_share
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator, nominal_values, scale_of
-from fsm_calib.diagnosis.replay.situation import situation
 from fsm_calib.errors import FsmCalibError
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.scenario.load import load_scenario
@@ -129,15 +126,3 @@ def test_every_typical_size_is_within_the_bounds_of_small_robots():
         for p in effect.parameters:
             low, high = SMALL.bounds(p)
             assert low <= p.typical <= high or p.typical == p.null
-
-
-def test_a_pushs_first_guess_follows_the_robots_size(drive):
-    large, small = simulator_of(drive, HALF_TONNE), simulator_of(drive, DUCKIEBOT)
-    found = Pushes(0, KICK, np.array([3.0]), np.array([9.0]), np.array([[0.0, 0.0, 0.5]]))
-    turns = [
-        push_of(situation(s, nominal_values([s])), found, 0, "external_push", scale_of(s))[
-            "external_push.impulse_turn"
-        ]
-        for s in (small, large)
-    ]
-    assert turns[1] == pytest.approx(turns[0] * HALF_TONNE.axle_length / DUCKIEBOT.axle_length)

@@ -18,6 +18,7 @@ from itertools import product
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, best_apart_from
 from fsm_calib.diagnosis.candidates.scan_areas import Area, boxes, drag_columns, settled, strips
 from fsm_calib.diagnosis.candidates.scan_default import (
     MOMENTS_APART,
@@ -35,7 +36,7 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
     jumps_of,
     likely_discs,
 )
-from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, STEP, push_of, pushes
+from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, STEP, Pushes, pushes
 from fsm_calib.diagnosis.candidates.scan_slides import slides
 from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
@@ -190,19 +191,26 @@ class Scanner:
         return kicks + [candidate for candidate in held if candidate.promise > best + cost]
 
     def _pushes_of(self, effect: Effect, lengths: Sequence[float]) -> list[Candidate]:
-        """Return the best pushes of given lengths [s]."""
+        """Return the best pushes of given lengths [s], each as large as a simulation of it asks for."""
         tried = [
             pushes(self.residual, run, s, length)
             for run, s in enumerate(self.situations)
             for length in lengths
         ]
-        found, scale = [], scale_of(self.simulators[0])
-        for one in tried:
-            for b in apart(one.won, one.starts[:, None], KEEP, 2 * STEP):
-                rest = max(o.won_apart_from(one, float(one.starts[b])) for o in tried)
-                changes = push_of(self.situations[one.run], one, int(b), effect.name, scale)
-                found.append(Candidate(changes, float(one.won[b]), one.run, rest))
+        seen = [(one, int(b)) for one in tried for b in apart(one.won, one.starts[:, None], KEEP, 2 * STEP)]
+        seen = sorted(seen, key=lambda moment: -moment[0].won[moment[1]])[: 2 * KEEP]
+        simulated = [self._pushed(effect, one, float(one.starts[b])) for one, b in seen]
+        found = []
+        for (one, b), push in zip(seen, simulated, strict=True):
+            start, linear = float(one.starts[b]), float(one.won[b])
+            rest = max(o.won_apart_from(one, start) for o in tried)
+            rest = max(rest, best_apart_from(push, simulated))
+            found.append(Candidate(push.changes, max(push.won, linear), one.run, rest))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
+
+    def _pushed(self, effect: Effect, one: Pushes, start: float) -> Pushed:
+        scale, situation = scale_of(self.simulators[0]), self.situations[one.run]
+        return Moment(effect, self.parent, self.residual, situation, one.run, start, one.length, scale).push()
 
     def tried_places(self, effect: Effect) -> list[Candidate]:
         """Return places where any effect of a place promises most, tried by simulation."""

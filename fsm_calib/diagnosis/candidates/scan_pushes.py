@@ -4,7 +4,7 @@ A kick is a speed error that fades as the motors bring the robot back; while som
 stays. Its poses are outliers to a robust likelihood whose noise the push itself has widened: a score test, which sees
 no more of an outlier than its weight, promised a push of 1.3 N nothing. So each push is fitted by reweighted least
 squares (as the likelihood is, `likelihood.py`) and its gain counted in densities. The base robot is not re-fitted
-beside it: it does not move for one second of a drive.
+beside it: it does not move for one second of a drive. How hard it was pushed is asked of a simulation (`pushed.py`).
 """
 
 from __future__ import annotations
@@ -18,8 +18,6 @@ from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import body_columns
 from fsm_calib.diagnosis.shapes.score_tests import Residual
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.parameters import parameter_table
-from fsm_calib.world2d.scale import Scale
 
 STEP = 0.25  # s between candidate pushes
 KICK = 0.25  # s that a kick lasts
@@ -29,20 +27,16 @@ FADE = 0.1  # s, of the speed error afterwards: a motor's time constant
 SEEN = 2.75  # s after its end in which a push shows
 GAP = 1.0  # s between what is seen of two pushes that share a column
 SWEEPS = 3  # of reweighted least squares
-MASS = 1.1  # kg of the base robot: a push's first guess
-GYRATION = 2.4  # squared radius of gyration over squared half-axle of a Duckiebot [1]: the same
-SHARE = 0.6  # of a strength's bounds within which its first guess lies
 
 
 @dataclass(frozen=True, eq=False)
 class Pushes:
-    """Pushes of one length in one recording: starts (m,) [s], log-likelihood won (m,), speed errors (m, 3) [m/s]."""
+    """Pushes of one length [s] in one recording: starts (m,) [s], log-likelihood won (m,)."""
 
     run: int
     length: float
     starts: FloatArray
     won: FloatArray
-    amplitude: FloatArray
 
     def won_apart_from(self, other: Pushes, start: float) -> float:
         """Return the most that one of these wins which is not the push of `other` that began at `start` [s].
@@ -67,15 +61,14 @@ def pushes(residual: Residual, run: int, s: Situation, length: float) -> Pushes:
     white = residual.white[before : before + len(time)]
     columns = residual.engine.white_columns((whitener,), (_trains(s, starts, length, period),))
     won = np.zeros(len(starts))
-    amplitude = np.zeros((len(starts), 3))
     for b, start in enumerate(starts.tolist()):
         rows = slice(*np.searchsorted(time, (start, start + length + SEEN)))
         train = 3 * (b % period)
-        won[b], amplitude[b] = _fitted(columns[rows, train : train + 3], white[rows], nu)
-    return Pushes(run, length, starts, won, amplitude)
+        won[b], _ = fitted(columns[rows, train : train + 3], white[rows], nu)
+    return Pushes(run, length, starts, won)
 
 
-def _fitted(x: FloatArray, white: FloatArray, nu: float) -> tuple[float, FloatArray]:
+def fitted(x: FloatArray, white: FloatArray, nu: float) -> tuple[float, FloatArray]:
     """Return the gain in log-likelihood and the numbers (3,) of columns `x` (n, 3) by reweighted least squares."""
     if not len(x):
         return 0.0, np.zeros(3)
@@ -102,30 +95,3 @@ def _trains(s: Situation, starts: FloatArray, length: float, period: int) -> Flo
     out[:, :, 1::3] = body_columns(s, lateral=trains)
     out[:, :, 2::3] = body_columns(s, turn=trains / s.half)
     return out
-
-
-def push_of(s: Situation, found: Pushes, which: int, name: str, scale: Scale) -> dict[str, float]:
-    """Return a push, of the effect `name`, that brings about its speed errors forward, sideways and at the rim [m/s].
-
-    A push that is held works against the motors, which would end the error within `FADE`: F = m v / FADE. scale : of
-    the robot, which sets its bounds.
-    """
-    start = float(found.starts[which])
-    heading = float(np.interp(start, s.time, s.heading))
-    times = max(found.length - KICK, 0.0) / FADE + 1.0
-    ahead, left, turn = times * MASS * found.amplitude[which] * [1.0, 1.0, GYRATION * s.half]
-    c, d = np.cos(heading), np.sin(heading)
-    push = {
-        f"{name}.impulse_x": c * ahead - d * left,
-        f"{name}.impulse_y": d * ahead + c * left,
-        f"{name}.impulse_turn": turn,
-    }
-    within = {full: float(np.clip(value, *_first_bounds(full, scale))) for full, value in push.items()}
-    held = {f"{name}.duration": found.length} if found.length > KICK else {}
-    return {**within, f"{name}.start": start, **held}
-
-
-def _first_bounds(full: str, scale: Scale) -> tuple[float, float]:
-    """Return where a first guess of a strength may lie."""
-    low, high = scale.bounds(parameter_table().entries[parameter_table().place(full)])
-    return SHARE * low, SHARE * high

@@ -30,7 +30,10 @@ MOST_INSIDE = 0.7  # of the driving time; by the same token a place needs a thir
 def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     """Return whether an effect has a size and, if it is one, a place that its name stands for."""
     return (
-        has_size(ranked) and lasts(ranked) and is_seen(ranked, simulators) and is_crossed(ranked, simulators)
+        has_size(ranked)
+        and lasts(ranked, simulators)
+        and is_seen(ranked, simulators)
+        and is_crossed(ranked, simulators)
     )
 
 
@@ -52,12 +55,20 @@ def has_size(ranked: Ranked) -> bool:
     return any(told) or not told
 
 
-def lasts(ranked: Ranked) -> bool:
-    """Return whether a span of time is longer than a push; True for other effects."""
-    full = f"{ranked.name}.duration"
+def lasts(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether a span of time is longer than a push, and the drive as much longer; True for other effects.
+
+    What lasts from begin to end of a recording is another robot there, nothing that came or went.
+    """
     if registry()[ranked.name].when != "span":
         return True
-    return float(ranked.fit.values[ranked.hypothesis.run, parameter_table().place(full)]) >= SHORTEST_SPAN
+    table, run = parameter_table(), ranked.hypothesis.run
+    start, duration = (
+        float(ranked.fit.values[run, table.place(f"{ranked.name}.{name}")]) for name in ("start", "duration")
+    )
+    p = simulators[run].prepared
+    beside = (p.time < start) | (p.time > start + duration)
+    return duration >= SHORTEST_SPAN and float(np.sum((p.dt * p.moving)[beside])) >= SHORTEST_SPAN
 
 
 def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:

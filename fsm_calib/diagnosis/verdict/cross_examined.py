@@ -35,12 +35,14 @@ def supports_of(engine: Engine, selection: Selection, least: float) -> tuple[Sup
     """
     remainder = Remainder.of(engine, selection.fit)
     gaps = [gap_between(engine, selection.fit, less) for less in selection.dropped]
-    together = sum(max(gap.evidence, 0.0) for gap in gaps)
+    adds = [max(gap.evidence, 0.0) for gap in gaps]
+    special = [not registry()[effect.name].universal for effect in selection.effects]
     found: list[Support] = []
-    for effect, less, added in zip(selection.effects, selection.dropped, gaps, strict=True):
-        share = max(added.evidence, 0.0) / max(together, 1.0)
+    for i, (effect, less, added) in enumerate(zip(selection.effects, selection.dropped, gaps, strict=True)):
+        share = adds[i] / max(sum(adds), 1.0)
+        others = sum(adds[k] for k in range(len(adds)) if k != i and special[k])
         forms = contest(remainder, less, [effect.name])
-        support = Support(effect, less, added, share, (), OneLaw(math.nan, ()), forms)
+        support = Support(effect, less, added, share, (), OneLaw(math.nan, ()), forms, others)
         if not found or belief_of(support).probability >= least:
             support = _examined(engine, selection, support)
         found.append(support)

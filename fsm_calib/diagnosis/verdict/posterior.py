@@ -12,8 +12,8 @@ patchy [1] : how well it could mend what is inexact in stronger effects (`verdic
 equation is another than ours and a wrong neighbour differ in these shares, not in sizes. The numbers were set on opened
 development robots (`benchmarks/concealed`, `benchmarks/engine` with the mass behind the axle, `benchmarks/foreign` seed
 1), right names against names given when the true one had been taken out of the catalogue; PATCHY on sets whose keys had
-been opened (`benchmarks/foreign` seeds 7, 8 and 10 to 12, one set of `benchmarks/concealed`). No robot was among them that was sealed at the time.
-docs/constants.md lists them.
+been opened (`benchmarks/foreign` seeds 7, 8 and 10 to 12, one set of `benchmarks/concealed`). No robot was among them
+that was sealed at the time. docs/constants.md lists them.
 """
 
 from __future__ import annotations

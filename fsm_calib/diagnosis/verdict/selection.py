@@ -24,12 +24,9 @@ from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
-from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_crossed, is_plausible, stands_out
-from fsm_calib.diagnosis.replay.situation import situations_of
-from fsm_calib.diagnosis.shapes.features import feature_groups
-from fsm_calib.diagnosis.shapes.score_tests import left_over
+from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -40,10 +37,6 @@ BEAM = 2  # other first effects that are given company of their own
 RIVALS = 2  # of an earlier effect, asked again beside a new one
 NEAR = 0.4  # of its evidence: a rival that had less does not take its place
 SURELY_NEEDED = 8.0  # times the evidence wanted, by its own deviation: an effect that is not taken out to see
-
-PLACES = {"place", "place and heading"}
-TIMES = {"time", "moment", "wear and warmth"}
-"""Regimes of the score tests that ask for a place, and for a moment or a span."""
 
 Progress = Callable[[str], None]
 
@@ -125,13 +118,21 @@ class Selector:
     def _grown_on(self, selection: Selection) -> Selection:
         """Return the selection with further effects as long as any is worth it."""
         while len(selection.effects) < self.most:
-            larger = self._with_one_more(selection)
+            larger = self._with_one_more(selection, self._worth_asking(selection))
             if larger is None:
-                break
+                return selection
             selection = larger
-            if len(selection.effects) < len(selection.rankings):
-                break  # one went as another came: what is left has been tried
+            if len(selection.effects) < len(selection.rankings):  # one went as another came: what is left
+                return self._with_a_moment(selection)  # has been tried, but for what the one that went hid
         return selection
+
+    def _with_a_moment(self, selection: Selection) -> Selection:
+        """Return the selection with a moment that stands out, where there is one and room for it."""
+        beside = self._beside(selection)
+        out = standing_out(self.engine, selection.fit, beside, self.needed)
+        if not out or len(selection.effects) >= self.most:
+            return selection
+        return self._with_one_more(selection, [e for e in beside if e.name in out]) or selection
 
     def best_grown(self, ranking: Sequence[Ranked]) -> Selection:
         """Return the best selection that begins with the first of a ranking, or with one that is hardly behind it.
@@ -198,9 +199,8 @@ class Selector:
         won = moved.score - rival.fit.score
         return replace(rival, fit=moved, evidence=rival.evidence + 2.0 * won, gain=rival.gain + won)
 
-    def _with_one_more(self, selection: Selection) -> Selection | None:
-        """Return the selection with the best further effect, less what it makes needless; None where none is."""
-        further = self._worth_asking(selection)
+    def _with_one_more(self, selection: Selection, further: Sequence[Effect]) -> Selection | None:
+        """Return the selection with the best of further effects, less what it makes needless; None where none is."""
         if not further:
             return None
         wanted = self._wanted(selection)
@@ -221,26 +221,20 @@ class Selector:
         return max(self.needed, self.share * selection.rankings[0][0].evidence)
 
     def _worth_asking(self, selection: Selection) -> list[Effect]:
-        """Return the effects that what is left could be.
-
-        Where nothing is left, neither to tests nor to forms, those are only events that had something to say before: a
-        push of a quarter of a second is one pose in a hundred to the test of a regime. Others are not asked blindly:
-        where the world's physics is another than ours, one of eight single moments that stood out was a push.
-        """
-        groups = feature_groups(situations_of(self.engine.simulators, selection.fit.values))
-        left = [t for t in left_over(self.engine, selection.fit, groups) if t.surprise > self.curious]
-        regimes = {t.group.regime for t in left}
-        named = {e.name for e in selection.effects}
+        """Return the effects that what is left could be."""
         hinted = {r.name for ranking in selection.rankings for r in ranking if r.evidence > self.needed}
-        further = [e for e in self.catalogue if e.name not in named]
-        if not left and Remainder.of(self.engine, selection.fit).beside <= self.needed:
-            return [e for e in further if e.scan == "time" and e.name in hinted]
-        return [
-            e
-            for e in further
-            if (e.where == "anywhere" or regimes & PLACES or e.name in hinted)
-            and (e.when == "always" or regimes & TIMES or e.name in hinted)
-        ]
+        return worth_asking(
+            self.engine,
+            selection.fit,
+            self._beside(selection),
+            hinted,
+            needed=self.needed,
+            curious=self.curious,
+        )
+
+    def _beside(self, selection: Selection) -> list[Effect]:
+        named = {e.name for e in selection.effects}
+        return [e for e in self.catalogue if e.name not in named]
 
     def _swapped(
         self, effects: tuple[Ranked, ...], fit: Fit, rankings: Sequence[Sequence[Ranked]]

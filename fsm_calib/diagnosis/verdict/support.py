@@ -33,7 +33,8 @@ class Support:
 
     effect : as it stands in the model; without : the model without it, re-fitted; added : evidence over that;
     share : of what all effects of the model add, 0 to 1; rivals : names fitted in its place, nearest first;
-    law : is it one in all drives; forms : un-named forms in its place, and beside the whole model.
+    law : is it one in all drives; forms : un-named forms in its place, and beside the whole model; others : what the
+    other effects add that not every robot has.
     """
 
     effect: Ranked
@@ -43,6 +44,7 @@ class Support:
     rivals: tuple[RivalGap, ...]
     law: OneLaw
     forms: Contest
+    others: float = 0.0
 
     @property
     def name(self) -> str:
@@ -53,16 +55,15 @@ class Support:
     def alone(self) -> Gap:
         """What the effect adds, and how much of that what is inexact elsewhere may bring about.
 
-        Of a law that is its spread from second to second. A moment's evidence lies in one second by nature. What the
-        best other moment promises tells what chance, and whatever is missing, make of a second; and no equation of the
-        others is exact to less than a hundredth of what they explain (EXACT), which may all show at once, when a gear's
-        play is first taken up.
+        Of a law that is its spread from second to second. A moment's evidence lies in one second by nature: there it is
+        what the best other moment promises. And no equation of the others is exact to less than a hundredth of what
+        they explain (EXACT), which may all show at one time, when a gear's play is first taken up.
         """
-        elsewhere = 2.0 * self.effect.hypothesis.elsewhere
-        if elsewhere <= 0.0:
+        if not is_event(registry()[self.name]):
             return self.added
-        others = max(self.added.evidence, 0.0) * (1.0 - self.share) / max(self.share, 1e-9)
-        return Gap(self.added.evidence, math.hypot(elsewhere, EXACT * others))
+        elsewhere = 2.0 * self.effect.hypothesis.elsewhere
+        spread = elsewhere if elsewhere > 0.0 else self.added.spread
+        return Gap(self.added.evidence, math.hypot(spread, EXACT * self.others))
 
     @property
     def left(self) -> float:
@@ -81,11 +82,14 @@ class Support:
         """How much of the effect's own job the forms that explain what is left could do, 0 to 1.
 
         What is left is held against a name as far as the forms that explain it could stand for the name: a remainder
-        of another kind says that something is missing, not that this name is wrong. An event is no job: whatever is
-        missing may show most in one second.
+        of another kind says that something is missing, not that this name is wrong. An event is no job, and whatever is
+        missing may show most in one second: there it counts until the event has twice what may come about elsewhere
+        (`alone`), and less the clearer it stands out.
         """
-        share = 1.0 + self.forms.stand_in / max(self.added.evidence, 1.0)
-        return 1.0 if is_event(registry()[self.name]) else min(max(share, 0.0), 1.0)
+        evidence = max(self.added.evidence, 1.0)
+        if is_event(registry()[self.name]):
+            return min(2.0 * self.alone.spread / evidence, 1.0)
+        return min(max(1.0 + self.forms.stand_in / evidence, 0.0), 1.0)
 
     @property
     def patchy(self) -> float:

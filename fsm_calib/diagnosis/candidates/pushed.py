@@ -1,0 +1,148 @@
+r"""Which push brings about what was seen after a moment? Found by simulation, as a push is not linear.
+
+    J <- J + argmin_s |w (r(J) - C s)|^2        C_i = (f(J + d_i) - f(J)) / |d_i|,  r(J) = r(0) - f(J)
+
+J [N s, N s, N m s] the impulse ahead, to the left and about the vertical at the push's begin; f(J) what it changes in
+the whitened increments of the seconds in which it shows, r their residual, w the robust weights; d_i a nudge along each
+of the three, of a size that moves a robot. A robot that stands, or that is pushed sideways, does not move until dry
+friction or its tyres give way, and the motors of one robot hold it a hundred times as stiffly as those of another: a
+rule for the first guess misses by as much. Source: Gauss-Newton with secants, halved while it makes things worse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.scan_pushes import APART, KICK, SEEN, fitted
+from fsm_calib.diagnosis.candidates.scan_tried import response
+from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.likelihood.robust import log_kernel
+from fsm_calib.diagnosis.replay.situation import Situation
+from fsm_calib.diagnosis.shapes.score_tests import Residual
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect
+from fsm_calib.world2d.scale import Scale
+
+IMPULSES = ("impulse_x", "impulse_y", "impulse_turn")
+ROUNDS = 3  # of Gauss-Newton: what is left of a push is fitted in full anyway
+HALVINGS = 2
+SHARE = 0.6  # of a strength's bounds within which its first guess lies
+NUDGE = 0.2  # of the impulse so far, the size of the next nudges
+
+
+@dataclass(frozen=True, eq=False)
+class Pushed:
+    """A push of one recording: start and length [s], start values by full name, log-likelihood that it wins."""
+
+    run: int
+    start: float
+    length: float
+    changes: Mapping[str, float]
+    won: float
+
+    def is_apart_from(self, other: Pushed) -> bool:
+        """Return whether this push of the same recording begins well after the other's end, or ends well before it."""
+        return (
+            self.start + self.length < other.start - APART or self.start > other.start + other.length + APART
+        )
+
+
+def best_apart_from(push: Pushed, others: Sequence[Pushed]) -> float:
+    """Return the most that a push wins which is not this one, nor the best of another recording (as in the scan)."""
+    best = {other.run: max(o.won for o in others if o.run == other.run) for other in others}
+    apart = [
+        o.won
+        for o in others
+        if (o.run == push.run and o.is_apart_from(push)) or (o.run != push.run and o.won < best[o.run])
+    ]
+    return max(apart, default=0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A moment of one recording, with all that a push there is judged by; scale : of the robot."""
+
+    effect: Effect
+    parent: Fit
+    residual: Residual
+    situation: Situation
+    run: int
+    start: float
+    length: float
+    scale: Scale
+
+    def push(self) -> Pushed:
+        """Return the push that wins most here."""
+        rows, nu = self._rows(), self.residual.engine.nu
+        white = self.residual.white[rows]
+        impulse: FloatArray = np.zeros(3)
+        done: FloatArray = np.zeros(len(white))
+        won, nudge = 0.0, self._nudge()
+        for _ in range(ROUNDS):
+            ahead = self._changed([impulse + d for d in np.diag(nudge)], rows) - done[:, None]
+            _, step = fitted(ahead / nudge, white - done, nu)
+            better = self._uphill(impulse, step, rows, won)
+            if better is None:
+                break
+            impulse, done, won = better
+            nudge = np.maximum(NUDGE * np.abs(impulse), NUDGE * self._nudge())
+        return Pushed(self.run, self.start, self.length, self._named(impulse), won)
+
+    def _uphill(
+        self, impulse: FloatArray, step: FloatArray, rows: slice, won: float
+    ) -> tuple[FloatArray, FloatArray, float] | None:
+        """Return the impulse after a step, what it changes and wins; None where no part of the step wins more."""
+        white, nu = self.residual.white[rows], self.residual.engine.nu
+        before = log_kernel(white, nu)
+        tried = [np.clip(impulse + 0.5**k * step, *self._bounds()) for k in range(HALVINGS + 1)]
+        changed = self._changed(tried, rows)
+        wins = [float(log_kernel(white - column, nu) - before) for column in changed.T]
+        best = int(np.argmax(wins))
+        return (tried[best], changed[:, best], wins[best]) if wins[best] > won else None
+
+    def _changed(self, impulses: list[FloatArray], rows: slice) -> FloatArray:
+        """Return what pushes (3,) change in the whitened increments of the rows (n, m)."""
+        engine, before = self.residual.engine, self._before()
+        columns = response(self.parent, engine, self.run, [self._named(impulse) for impulse in impulses])
+        white = engine.white_columns((self.residual.whiteners[self.run],), [columns])
+        return white[rows.start - before : rows.stop - before]
+
+    def _rows(self) -> slice:
+        """Return the innovations of all recordings in which the push shows."""
+        prepared, before = self.residual.whiteners[self.run].prepared, self._before()
+        times = np.broadcast_to(prepared.time[:, None], prepared.scored.shape)[prepared.scored]
+        first, last = np.searchsorted(times, (self.start, self.start + self.length + SEEN)).tolist()
+        return slice(before + first, before + last)
+
+    def _before(self) -> int:
+        return sum(int(w.prepared.scored.sum()) for w in self.residual.whiteners[: self.run])
+
+    def _nudge(self) -> FloatArray:
+        """Return impulses (3,) that move a robot: the typical ones, at the force of a kick."""
+        typical = [abs(self.effect.parameter(n).typical) * self._factor(n) for n in IMPULSES]
+        return np.array([max(typical[:2]), max(typical[:2]), typical[2]]) * self._duration / KICK
+
+    def _bounds(self) -> tuple[FloatArray, FloatArray]:
+        high = np.array([SHARE * self.effect.parameter(n).high * self._factor(n) for n in IMPULSES])
+        return -high, high
+
+    def _factor(self, name: str) -> float:
+        return self.scale.factor(self.effect.parameter(name).unit)
+
+    @property
+    def _duration(self) -> float:
+        return max(self.length, KICK)
+
+    def _named(self, impulse: FloatArray) -> dict[str, float]:
+        """Return the start values of an impulse (3,) ahead, to the left and about the vertical."""
+        s, name = self.situation, self.effect.name
+        heading = float(np.interp(self.start, s.time, s.heading))
+        c, d = np.cos(heading), np.sin(heading)
+        ahead, left, turn = impulse.tolist()
+        values = (c * ahead - d * left, d * ahead + c * left, turn)
+        held = {f"{name}.duration": self.length} if self.length > KICK else {}
+        named = {f"{name}.{n}": float(v) for n, v in zip(IMPULSES, values, strict=True)}
+        return {**named, f"{name}.start": self.start, **held}

@@ -1,0 +1,68 @@
+"""Which effects of the catalogue could what a model leaves be? Only these are fitted on top of it.
+
+Places and moments are sought again only where the score tests of places or of time find something, where they had
+evidence of their own before, or, moments, where one stands out from all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.scan import scan_of
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.proof.form_test import Remainder
+from fsm_calib.diagnosis.replay.situation import situations_of
+from fsm_calib.diagnosis.shapes.features import feature_groups
+from fsm_calib.diagnosis.shapes.score_tests import left_over
+from fsm_calib.world2d.effects import Effect
+
+PLACES = {"place", "place and heading"}
+TIMES = {"time", "moment", "wear and warmth"}
+"""Regimes of the score tests that ask for a place, and for a moment or a span."""
+
+
+def worth_asking(
+    engine: Engine,
+    fit: Fit,
+    effects: Sequence[Effect],
+    hinted: Collection[str],
+    *,
+    needed: float,
+    curious: float,
+) -> list[Effect]:
+    """Return those of some effects, none of them in the fit, that what it leaves could be.
+
+    hinted : names that had evidence before; needed, curious : as in `Selector`.
+
+    Where nothing is left, neither to tests nor to forms, those are only events that had something to say before or that
+    stand out among all moments: a push of a quarter of a second is one pose in a hundred to the test of a regime. Where
+    the world's physics is another than ours, a moment that stands out may be none (`Support.alone`).
+    """
+    groups = feature_groups(situations_of(engine.simulators, fit.values))
+    left = [t for t in left_over(engine, fit, groups) if t.surprise > curious]
+    regimes = {t.group.regime for t in left}
+    hinted = {*hinted, *standing_out(engine, fit, [e for e in effects if e.name not in hinted], needed)}
+    if not left and Remainder.of(engine, fit).beside <= needed:
+        return [e for e in effects if e.scan == "time" and e.name in hinted]
+    return [
+        e
+        for e in effects
+        if (e.where == "anywhere" or regimes & PLACES or e.name in hinted)
+        and (e.when == "always" or regimes & TIMES or e.name in hinted)
+    ]
+
+
+def standing_out(engine: Engine, fit: Fit, effects: Sequence[Effect], needed: float) -> set[str]:
+    """Return the effects of a moment of which one promises clearly more than all others do on top of a fit."""
+    scanner, price = Bank.on(engine, fit).scanner, float(np.log(engine.count))
+    found = set()
+    for effect in (e for e in effects if e.when == "moment"):
+        scan = scan_of(effect)
+        for moment in scan(scanner, effect) if scan is not None else ():
+            evidence = 2.0 * moment.promise - price * len(moment.changes)
+            if evidence >= needed + 2.0 * moment.elsewhere:
+                found.add(effect.name)
+    return found

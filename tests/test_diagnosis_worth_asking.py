@@ -1,0 +1,33 @@
+"""What is worth asking once nothing hints at it: a push, where one moment stands out from all others."""
+
+import pytest
+from diagnosis_robots import recording
+
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
+from fsm_calib.world2d.effects import registry
+
+PUSHED = {"external_push__impulse_x": 0.9, "external_push__impulse_y": -0.6, "external_push__start": 12.0}
+EFFECTS = [registry()[name] for name in ("external_push", "floor_tilt", "motor_fault")]
+
+
+def fitted(**changes):
+    """Return engine and base robot of two drives, of which the second has `changes`."""
+    drives = (recording(0), recording(1, **changes))
+    engine = Engine(tuple(make_simulator(prepare(r)) for r in drives))
+    return engine, fit_base(engine)
+
+
+@pytest.mark.parametrize(("changes", "names"), [(PUSHED, {"external_push"}), ({}, set())])
+def test_a_moment_stands_out_where_the_robot_was_pushed(changes, names):
+    engine, base = fitted(**changes)
+    assert standing_out(engine, base, EFFECTS, 14.0) == names
+
+
+def test_a_push_that_the_score_tests_do_not_notice_is_asked_for():
+    engine, base = fitted(**PUSHED)
+    asked = worth_asking(engine, base, EFFECTS, (), needed=1e-3, curious=1e9)
+    assert "external_push" in {effect.name for effect in asked}
