@@ -55,12 +55,8 @@ def pushed(run, start, won):
 
 
 def test_the_best_other_moment_is_apart_in_time_and_not_the_best_of_another_recording():
-    here, beside, later, elsewhere, second = (
-        pushed(0, 5.0, 90.0),
-        pushed(0, 5.5, 80.0),
-        pushed(0, 9.0, 20.0),
-        pushed(1, 4.0, 70.0),
-        pushed(1, 8.0, 30.0),
-    )
-    assert best_apart_from(here, [here, beside, later, elsewhere, second]) == 30.0
+    here, beside, later = pushed(0, 5.0, 90.0), pushed(0, 5.5, 80.0), pushed(0, 9.0, 20.0)
+    best, same, second = pushed(1, 4.0, 70.0), pushed(1, 4.5, 60.0), pushed(1, 8.0, 30.0)
+    assert best_apart_from(here, [here, beside, later, best, same, second]) == 30.0
+    assert best_apart_from(here, [here, beside, later, best, same]) == 20.0
     assert best_apart_from(here, [here, beside]) == 0.0

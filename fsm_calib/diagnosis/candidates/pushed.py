@@ -51,14 +51,12 @@ class Pushed:
 
 
 def best_apart_from(push: Pushed, others: Sequence[Pushed]) -> float:
-    """Return the most that a push wins which is not this one, nor the best of another recording (as in the scan)."""
-    best = {other.run: max(o.won for o in others if o.run == other.run) for other in others}
-    apart = [
-        o.won
-        for o in others
-        if (o.run == push.run and o.is_apart_from(push)) or (o.run != push.run and o.won < best[o.run])
-    ]
-    return max(apart, default=0.0)
+    """Return the most that one wins which is not this push, nor the best one of another recording (as in the scan)."""
+    known = {
+        other.run: max((o for o in others if o.run == other.run), key=lambda o: o.won) for other in others
+    }
+    known[push.run] = push
+    return max((o.won for o in others if o.is_apart_from(known[o.run])), default=0.0)
 
 
 @dataclass(frozen=True, eq=False)
