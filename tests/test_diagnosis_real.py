@@ -188,6 +188,7 @@ def test_the_duckiebots_driver_over_compensates() -> None:
     )
     runs = [shared(f"duckiebot-watchtower/{run}") for run in ("b1-run1", "b2-run1")]
     result = diagnose(runs, [shared("duckiebot-watchtower/b2-run5")], without=without_all_but(*considered))
+    assert {e.name for e in result.verdict.effects} <= {"motor_deadband"}
     leads = result.decision.model.beliefs[0]
     assert leads.among == ("motor_deadband",)
     assert leads.probability > 0.5

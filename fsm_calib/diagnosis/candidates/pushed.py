@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.scan_pushes import APART, KICK, SEEN, fitted
+from fsm_calib.diagnosis.candidates.scan_pushes import KICK, SEEN, are_apart, fitted, innovations_of
 from fsm_calib.diagnosis.candidates.scan_tried import response
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.likelihood.robust import log_kernel
@@ -45,9 +45,7 @@ class Pushed:
 
     def is_apart_from(self, other: Pushed) -> bool:
         """Return whether this push of the same recording begins well after the other's end, or ends well before it."""
-        return (
-            self.start + self.length < other.start - APART or self.start > other.start + other.length + APART
-        )
+        return bool(are_apart(np.array(self.start), self.length, other.start, other.length))
 
 
 def best_apart_from(push: Pushed, others: Sequence[Pushed]) -> float:
@@ -103,25 +101,21 @@ class Moment:
 
     def _changed(self, impulses: list[FloatArray], rows: slice) -> FloatArray:
         """Return what pushes (3,) change in the whitened increments of the rows (n, m)."""
-        engine, before = self.residual.engine, self._before()
+        engine, (_, before) = self.residual.engine, innovations_of(self.residual, self.run)
         columns = response(self.parent, engine, self.run, [self._named(impulse) for impulse in impulses])
         white = engine.white_columns((self.residual.whiteners[self.run],), [columns])
         return white[rows.start - before : rows.stop - before]
 
     def _rows(self) -> slice:
         """Return the innovations of all recordings in which the push shows."""
-        prepared, before = self.residual.whiteners[self.run].prepared, self._before()
-        times = np.broadcast_to(prepared.time[:, None], prepared.scored.shape)[prepared.scored]
+        times, before = innovations_of(self.residual, self.run)
         first, last = np.searchsorted(times, (self.start, self.start + self.length + SEEN)).tolist()
         return slice(before + first, before + last)
-
-    def _before(self) -> int:
-        return sum(int(w.prepared.scored.sum()) for w in self.residual.whiteners[: self.run])
 
     def _nudge(self) -> FloatArray:
         """Return impulses (3,) that move a robot: the typical ones, at the force of a kick."""
         typical = [abs(self.effect.parameter(n).typical) * self._factor(n) for n in IMPULSES]
-        return np.array([max(typical[:2]), max(typical[:2]), typical[2]]) * self._duration / KICK
+        return np.array([max(typical[:2]), max(typical[:2]), typical[2]]) * self.length / KICK
 
     def _bounds(self) -> tuple[FloatArray, FloatArray]:
         high = np.array([SHARE * self.effect.parameter(n).high * self._factor(n) for n in IMPULSES])
@@ -129,10 +123,6 @@ class Moment:
 
     def _factor(self, name: str) -> float:
         return self.scale.factor(self.effect.parameter(name).unit)
-
-    @property
-    def _duration(self) -> float:
-        return max(self.length, KICK)
 
     def _named(self, impulse: FloatArray) -> dict[str, float]:
         """Return the start values of an impulse (3,) ahead, to the left and about the vertical."""

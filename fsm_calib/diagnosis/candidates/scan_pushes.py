@@ -45,9 +45,19 @@ class Pushes:
         """
         if self.run != other.run and len(self.starts):
             return self.won_apart_from(self, float(self.starts[int(np.argmax(self.won))]))
-        end = start + other.length
-        apart = (self.starts + self.length < start - APART) | (self.starts > end + APART)
-        return float(self.won[apart].max(initial=0.0))
+        return float(self.won[are_apart(self.starts, self.length, start, other.length)].max(initial=0.0))
+
+
+def are_apart(starts: FloatArray, length: float, start: float, lasted: float) -> np.ndarray:
+    """Return which pushes of `length` [s] end well before, or begin well after, one that `lasted` [s] from `start`."""
+    return np.asarray((starts + length < start - APART) | (starts > start + lasted + APART))
+
+
+def innovations_of(residual: Residual, run: int) -> tuple[FloatArray, int]:
+    """Return the times (n,) [s] of one recording's innovations, and how many stand before them."""
+    prepared = residual.whiteners[run].prepared
+    time = np.broadcast_to(prepared.time[:, None], prepared.scored.shape)[prepared.scored]
+    return time, sum(int(w.prepared.scored.sum()) for w in residual.whiteners[:run])
 
 
 def pushes(residual: Residual, run: int, s: Situation, length: float) -> Pushes:
@@ -55,9 +65,7 @@ def pushes(residual: Residual, run: int, s: Situation, length: float) -> Pushes:
     starts = np.arange(max(s.time[0], 0.0) + 0.5, s.time[-1] - 1.0, STEP)
     period = int(np.ceil((length + SEEN + GAP) / STEP))
     whitener, nu = residual.whiteners[run], residual.engine.nu
-    scored = whitener.prepared.scored
-    time = np.broadcast_to(whitener.prepared.time[:, None], scored.shape)[scored]
-    before = sum(int(w.prepared.scored.sum()) for w in residual.whiteners[:run])
+    time, before = innovations_of(residual, run)
     white = residual.white[before : before + len(time)]
     columns = residual.engine.white_columns((whitener,), (_trains(s, starts, length, period),))
     won = np.zeros(len(starts))

@@ -128,10 +128,10 @@ class Selector:
 
     def _with_a_moment(self, selection: Selection) -> Selection:
         """Return the selection with a moment that stands out, where there is one and room for it."""
+        if len(selection.effects) >= self.most:
+            return selection
         beside = self._beside(selection)
         out = standing_out(self.engine, selection.fit, beside, self.needed)
-        if not out or len(selection.effects) >= self.most:
-            return selection
         return self._with_one_more(selection, [e for e in beside if e.name in out]) or selection
 
     def best_grown(self, ranking: Sequence[Ranked]) -> Selection:
