@@ -8,6 +8,7 @@ from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, best_apart_fro
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator, scale_of
 from fsm_calib.diagnosis.replay.situation import situations_of
@@ -24,9 +25,10 @@ def asked(run, length, hidden):
     base = fit_base(engine)
     scanner = Bank.on(engine, base).scanner
     situation = situations_of(engine.simulators, base.values)[run]
+    passages = Passages.of(engine.simulators[run], base.values[run], base.simulated[run])
     scale = scale_of(engine.simulators[0])
     return Moment(
-        registry()["external_push"], base, scanner.residual, situation, run, BEGIN, length, scale
+        registry()["external_push"], passages, scanner.residual, situation, run, BEGIN, length, scale
     ).push()
 
 

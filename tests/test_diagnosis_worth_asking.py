@@ -3,6 +3,7 @@
 import pytest
 from diagnosis_robots import recording
 
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.replay.prepared import prepare
@@ -24,10 +25,10 @@ def fitted(**changes):
 @pytest.mark.parametrize(("changes", "names"), [(PUSHED, {"external_push"}), ({}, set())])
 def test_a_moment_stands_out_where_the_robot_was_pushed(changes, names):
     engine, base = fitted(**changes)
-    assert standing_out(engine, base, EFFECTS, 14.0) == names
+    assert standing_out(Bank.on(engine, base), EFFECTS, 14.0) == names
 
 
 def test_a_push_that_the_score_tests_do_not_notice_is_asked_for():
     engine, base = fitted(**PUSHED)
-    asked = worth_asking(engine, base, EFFECTS, (), needed=1e-3, curious=1e9)
+    asked = worth_asking(Bank.on(engine, base), EFFECTS, (), needed=1e-3, curious=1e9)
     assert "external_push" in {effect.name for effect in asked}

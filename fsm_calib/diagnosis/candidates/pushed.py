@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.scan_pushes import KICK, SEEN, are_apart, fitted, innovations_of
-from fsm_calib.diagnosis.candidates.scan_tried import response
-from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.likelihood.robust import log_kernel
+from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.score_tests import Residual
 from fsm_calib.types import FloatArray
@@ -59,10 +59,14 @@ def best_apart_from(push: Pushed, others: Sequence[Pushed]) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """A moment of one recording, with all that a push there is judged by; scale : of the robot."""
+    """A moment of one recording, with all that a push there is judged by.
+
+    passages : of the parent model in that recording, of which only the push's seconds are simulated; scale : of the
+    robot.
+    """
 
     effect: Effect
-    parent: Fit
+    passages: Passages
     residual: Residual
     situation: Situation
     run: int
@@ -102,9 +106,16 @@ class Moment:
     def _changed(self, impulses: list[FloatArray], rows: slice) -> FloatArray:
         """Return what pushes (3,) change in the whitened increments of the rows (n, m)."""
         engine, (_, before) = self.residual.engine, innovations_of(self.residual, self.run)
-        columns = response(self.parent, engine, self.run, [self._named(impulse) for impulse in impulses])
+        pushed = [with_values(self.passages.values[None], self._named(impulse)) for impulse in impulses]
+        columns = self.passages.changes(np.vstack(pushed), [self._seconds()])
         white = engine.white_columns((self.residual.whiteners[self.run],), [columns])
         return white[rows.start - before : rows.stop - before]
+
+    def _seconds(self) -> tuple[int, int]:
+        """Return the first and last event of the recording between which the push shows."""
+        time = self.passages.simulator.prepared.time
+        first, last = np.searchsorted(time, (self.start, self.start + self.length + SEEN)).tolist()
+        return max(first - 1, 0), min(last, len(time) - 1)
 
     def _rows(self) -> slice:
         """Return the innovations of all recordings in which the push shows."""

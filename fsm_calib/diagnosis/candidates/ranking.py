@@ -141,9 +141,8 @@ class Bank:
         if effect.name in parameter_table().active_effects(self.parent.values[0]):
             start = Start(self.parent.values, 0.0)  # the parent has it: would other numbers be better?
             return [(hypothesis, [start]) for hypothesis in hypotheses_of(effect, runs)]
-        scan = scan_of(effect)
-        if scan is not None:
-            return self._scanned(effect, scan(self.scanner, effect))
+        if scan_of(effect) is not None:
+            return self._scanned(effect, self.scanner.candidates(effect))
         return [(hypothesis, self._starts(hypothesis, hope)) for hypothesis in hypotheses_of(effect, runs)]
 
     def _starts(self, hypothesis: Hypothesis, hope: float) -> list[Start]:
@@ -198,8 +197,7 @@ class Bank:
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of the same closure in another recording; None where nothing is in sight there."""
         effect = registry()[event.effect]
-        scan = scan_of(effect)
-        plans = self._scanned(effect, scan(self.scanner, effect)) if scan is not None else []
+        plans = self._scanned(effect, self.scanner.candidates(effect))
         return self._likeliest([p for p in plans if (p[0].run, p[0].closure) == (run, event.closure)])
 
     def _likeliest(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> Ranked | None:

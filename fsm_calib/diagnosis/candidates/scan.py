@@ -11,7 +11,7 @@ starts of full fits.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
 
@@ -41,6 +41,7 @@ from fsm_calib.diagnosis.candidates.scan_slides import slides
 from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
 from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.diagnosis.replay.simulator import Simulator, scale_of
 from fsm_calib.diagnosis.replay.situation import Situation
@@ -73,13 +74,26 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Scanner:
-    """Scans against one parent fit; worth : log-likelihood below which nobody will ask for a candidate."""
+    """Scans against one parent fit; worth : log-likelihood below which nobody will ask for a candidate.
+
+    It remembers what it found: whether an effect is worth asking for is told by the scan that gives its starts.
+    """
 
     simulators: tuple[Simulator, ...]
     situations: list[Situation]
     parent: Fit
     residual: Residual
     worth: float = 0.0
+    _found: dict[str, list[Candidate]] = field(default_factory=dict, init=False, repr=False)
+
+    def candidates(self, effect: Effect) -> list[Candidate]:
+        """Return the places or times of an effect that promise most; none where it acts anywhere and always."""
+        scan = scan_of(effect)
+        if scan is None:
+            return []
+        if effect.name not in self._found:
+            self._found[effect.name] = scan(self, effect)
+        return self._found[effect.name]
 
     def hopeless(self, promise: float) -> bool:
         """Return whether a candidate promises too little even if it still grows."""
@@ -209,8 +223,9 @@ class Scanner:
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
     def _pushed(self, effect: Effect, one: Pushes, start: float) -> Pushed:
-        scale, situation = scale_of(self.simulators[0]), self.situations[one.run]
-        return Moment(effect, self.parent, self.residual, situation, one.run, start, one.length, scale).push()
+        run, scale, situation = one.run, scale_of(self.simulators[0]), self.situations[one.run]
+        passages = Passages.of(self.simulators[run], self.parent.values[run], self.parent.simulated[run])
+        return Moment(effect, passages, self.residual, situation, run, start, one.length, scale).push()
 
     def tried_places(self, effect: Effect) -> list[Candidate]:
         """Return places where any effect of a place promises most, tried by simulation."""

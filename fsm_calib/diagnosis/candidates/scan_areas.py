@@ -111,12 +111,20 @@ def neighbours(area: Area, step: float) -> Iterator[Area]:
 def drag_columns(s: Situation, areas: Sequence[Area]) -> FloatArray:
     """Return increments (n, 5, areas) of a unit loss of rim speed on each side that stands in an area."""
     loss = np.zeros((2, len(s.dt), len(areas)))
-    for side, sign in enumerate((1.0, -1.0)):
-        for i, area in enumerate(areas):
-            arm = sign * s.half * area.spread
-            inside = area.holds(s.x - arm * np.sin(s.heading), s.y + arm * np.cos(s.heading))
-            loss[side, :, i] = -inside * np.tanh((s.v - arm * s.omega) / 0.02)
+    felt = {
+        spread: [_felt(s, sign * s.half * spread) for sign in (1.0, -1.0)]
+        for spread in {a.spread for a in areas}
+    }
+    for i, area in enumerate(areas):
+        for side, (x, y, against) in enumerate(felt[area.spread]):
+            loss[side, :, i] = area.holds(x, y) * against
     spread = np.array([area.spread for area in areas])
     return body_columns(
         s, forward=0.5 * (loss[0] + loss[1]), turn=0.5 * spread * (loss[1] - loss[0]) / s.half
     )
+
+
+def _felt(s: Situation, arm: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return where a point `arm` [m] to the left of the axle's middle is, x, y [m], and which way a drag slows it."""
+    x, y = s.x - arm * np.sin(s.heading), s.y + arm * np.cos(s.heading)
+    return x, y, -np.tanh((s.v - arm * s.omega) / 0.02)

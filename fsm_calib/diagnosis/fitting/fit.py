@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsm_calib.diagnosis.fitting.newton import clipped, damped_step, log_prior, normal_equations, promised
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
@@ -25,6 +26,7 @@ from fsm_calib.world2d.parameters import parameter_table
 SMALL_GAIN = 0.1  # log-likelihood units: a smaller gain ends the iteration
 
 AT_A_TIME = 16  # parameter vectors that are simulated in one call
+SAMPLED = 64  # rows of a column that are looked at first
 REMEMBERED = 4  # filters at so many noises
 NEGLIGIBLE = 0.01  # log-likelihood units: a fit that may be given up does not try a step that promises less
 OPTIMISM = 3.0  # a fit is given up where even so many times the promise of its step would not fulfil its hope
@@ -128,11 +130,22 @@ def jacobian(
 
 def _whiten_into(out: FloatArray, whitener: Whitener, columns: FloatArray) -> None:
     """Whiten columns (n, 5, m) into `out` (N, m), some at a time; those that are zero here cost nothing."""
-    used = np.flatnonzero(columns.any(axis=(0, 1)))
+    used = np.flatnonzero(_nonzero(columns))
+    if len(used) == columns.shape[2] <= AT_A_TIME:
+        out[:] = whitener.columns(columns)
+        return
     out[:] = 0.0
     for begin in range(0, len(used), AT_A_TIME):
         some = used[begin : begin + AT_A_TIME]
         out[:, some] = whitener.columns(columns[:, :, some])
+
+
+def _nonzero(columns: FloatArray) -> NDArray[np.bool_]:
+    """Return which columns (n, 5, m) hold anything, (m,): most show it in the first row of a few that is looked at."""
+    found = np.asarray(columns[:: max(1, len(columns) // SAMPLED)].any(axis=(0, 1)))
+    rest = np.flatnonzero(~found)
+    found[rest] = columns[:, :, rest].any(axis=(0, 1))
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +187,7 @@ class Engine:
     @property
     def count(self) -> int:
         """The number of scored innovations N."""
-        return int(sum(s.prepared.scored.sum() for s in self.simulators))
+        return sum(s.prepared.innovations for s in self.simulators)
 
     def whiteners(self, noise: Noise) -> list[Whitener]:
         """Return one filter a recording; the last few noises are remembered, since many fits share one."""
@@ -224,7 +237,7 @@ class Engine:
 
     def white_columns(self, whiteners: Sequence[Whitener], columns: Sequence[FloatArray]) -> FloatArray:
         """Return whitened Jacobian columns of all recordings, shape (N, m): minus the residual's derivatives."""
-        counts = [int(w.prepared.scored.sum()) for w in whiteners]
+        counts = [w.prepared.innovations for w in whiteners]
         out = np.empty((sum(counts), columns[0].shape[2]))
         begin = 0
         for whitener, block, count in zip(whiteners, columns, counts, strict=True):

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import lgamma, log, pi
 
 import numpy as np
 
 from fsm_calib.diagnosis.likelihood.noise import LARGEST_NOISE, SMALLEST_NOISE, Noise
-from fsm_calib.diagnosis.likelihood.whitening import covariance_pass, mean_pass
+from fsm_calib.diagnosis.likelihood.whitening import covariance_pass, mean_pass, transitions
 from fsm_calib.diagnosis.replay.prepared import Prepared
 from fsm_calib.types import FloatArray
 
@@ -27,18 +28,19 @@ class Whitener:
     """The filter of one recording at one noise: whitens residuals and Jacobian columns alike."""
 
     prepared: Prepared
-    noise: Noise
+    moves: FloatArray
     gains: FloatArray
     scale: FloatArray
 
     @classmethod
     def at(cls, prepared: Prepared, noise: Noise) -> Whitener:
         """Run the covariance pass."""
-        p = prepared
+        p, levels = prepared, noise.vector()
+        moves = transitions(p.dt, p.moving, levels, p.geometry)
         gains, variance = covariance_pass(
-            p.dt, p.rotation, p.step[:, :2].copy(), p.moving, p.seen, p.restart, noise.vector(), p.geometry
+            p.dt, p.rotation, p.step, p.moving, p.seen, p.restart, moves, levels, p.geometry
         )
-        return cls(prepared, noise, gains, 1.0 / np.sqrt(variance))
+        return cls(prepared, moves, gains, 1.0 / np.sqrt(variance))
 
     def columns(self, increments: FloatArray, measured: bool = False) -> FloatArray:
         """Return whitened columns, shape (N, m), of increments (n, 5, m).
@@ -46,18 +48,18 @@ class Whitener:
         `measured`: column 0 is a residual (the measurements enter); all others are derivatives.
         """
         p = self.prepared
-        y = p.y if measured else np.zeros_like(p.y)
-        white = mean_pass(
-            p.dt, p.rotation, p.step[:, :2].copy(), p.moving, p.seen, p.restart, self.noise.vector(), p.geometry,
-            self.gains, self.scale, np.ascontiguousarray(increments), y,
+        out = np.empty((p.innovations, increments.shape[2]))
+        mean_pass(
+            p.rotation, p.step, p.seen, p.restart, self.moves, self.gains, self.scale,
+            np.ascontiguousarray(increments), p.y if measured else np.zeros_like(p.y), out,
         )  # fmt: skip
-        return np.asarray(white[p.scored])
+        return out
 
     def residual(self, simulated: FloatArray) -> FloatArray:
         """Return the whitened innovations, shape (N,), of simulated increments (n, 5)."""
         return self.columns((simulated - self.prepared.step)[:, :, None], measured=True)[:, 0]
 
-    @property
+    @cached_property
     def log_scale(self) -> FloatArray:
         """log(1 / sqrt(S)) of every innovation, shape (N,)."""
         return np.asarray(np.log(self.scale[self.prepared.scored]))

@@ -17,61 +17,89 @@ import numpy as np
 from numba import njit
 
 STATES = 11
+WIDTH = 12  # of a row of the covariance: whole vectors of the processor
 START_POSITION, START_HEADING, START_WHEEL = 0.5, 1.0, 5.0  # m, rad, rad: nothing known at a restart
 ENTRY_SPREAD = 10.0  # how much wider the speed error is at a restart while moving
 
 
 @njit(cache=True, fastmath=True)
-def covariance_pass(dt, rotation, step, moving, seen, restart, noise, geometry):  # type: ignore[no-untyped-def]
+def transitions(dt, moving, noise, geometry):  # type: ignore[no-untyped-def]
+    """Return how the state moves to each event, shape (n, 5); arguments as in `covariance_pass`.
+
+    Columns: decay of the speed errors [1], reach [s] (what a speed error of 1 moves the robot by), fade of the tag's
+    error [1], and what a speed error of 1 m/s and 1 rad/s turns the wheels by [rad s/m, rad s/rad].
+    """
+    out = np.empty((len(dt), 5))
+    for k in range(len(dt)):
+        decay = np.exp(-dt[k] / noise[5])
+        reach = moving[k] * noise[5] * (1.0 - decay)
+        out[k, 0], out[k, 1], out[k, 2] = decay, reach, noise[8] ** (dt[k] / geometry[2])
+        out[k, 3], out[k, 4] = reach / geometry[1], reach * geometry[0] / geometry[1]
+    return out
+
+
+@njit(cache=True, fastmath=True)
+def covariance_pass(dt, rotation, step, moving, seen, restart, moves, noise, geometry):  # type: ignore[no-untyped-def]
     """Return the gains K (n, 5, 11) and the innovation variances S (n, 5).
 
     Parameters
     ----------
     dt : (n,) time since the event before [s]; rotation : (n, 2) cos and sin of the reference's turn over it.
-    step : (n, 2) reference increment forward, left [m], in the frame at its start.
+    step : (n, >= 2) reference increment forward, left [m], in the frame at its start.
     moving : (n,) share in [0, 1] that the robot moves; seen : (n, 5) what was measured; restart : (n,) the chain
-    of increments is broken here (first event, gap). noise : (9,) `Noise.vector`. geometry : (3,) half axle
-    length [m] and wheel radius [m] for the encoders, frame interval [s].
+    of increments is broken here (first event, gap). moves : (n, 5) `transitions`. noise : (9,) `Noise.vector`.
+    geometry : (3,) half axle length [m] and wheel radius [m] for the encoders, frame interval [s].
     """
     n = len(dt)
-    gains = np.zeros((n, 5, 11))
+    gains = np.zeros((n, 5, STATES))
     variances = np.ones((n, 5))
-    size = 11 if seen[:, 3].any() else 9
-    p = np.zeros((11, 11))
-    f = np.zeros((11, 11))
-    fp = np.zeros((11, 11))
-    h = np.zeros(11)
-    ph = np.zeros(11)
+    size = STATES if seen[:, 3].any() else 9
+    p = np.zeros((STATES, WIDTH))
+    room = np.zeros((STATES, WIDTH))
+    ph = np.zeros(WIDTH)
     for k in range(n):
         if restart[k]:
-            _start(p, moving[k], noise)
+            restart_at(p, moving[k], noise)
         else:
-            _transition(f, dt[k], rotation[k], step[k], moving[k], noise, geometry)
-            _propagate(p, f, fp, size)
-            _add_noise(p, dt[k], rotation[k, 0], rotation[k, 1], moving[k], noise, geometry)
+            advance(p, room, dt[k], rotation[k], step[k], moving[k], moves[k], noise, geometry, size)
         for m in range(5):
-            if not seen[k, m]:
-                continue
-            h[:] = 0.0
-            h[m if m < 3 else m + 6] = 1.0
-            s = 1e-10 if m < 3 else noise[6] ** 2
-            if m < 3:
-                h[m + 6] = 1.0
-            for i in range(size):
-                ph[i] = p[i, m] + p[i, m + 6] if m < 3 else p[i, m + 6]
-            for i in range(size):
-                s += h[i] * ph[i]
-            variances[k, m] = s
-            for i in range(size):
-                gains[k, m, i] = ph[i] / s
-            for i in range(size):
-                for j in range(size):
-                    p[i, j] -= gains[k, m, i] * ph[j]
+            if seen[k, m]:
+                variances[k, m] = measure(p, m, noise, size, ph, gains[k, m])
     return gains, variances
 
 
-@njit(cache=True, fastmath=True)
-def _start(p, moving, noise):  # type: ignore[no-untyped-def]
+@njit(cache=True, fastmath=True, forceinline=True)
+def advance(p, room, dt, rotation, step, moving, move, noise, geometry, size):  # type: ignore[no-untyped-def]
+    """Move the covariance P (11, 12) to the next event: F P F' + Q; `room` (11, 12) to work in."""
+    _move_columns(p, room, move, rotation, step, size)
+    _move_columns(room, p, move, rotation, step, size)
+    _add_noise(p, dt, rotation[0], rotation[1], moving, move, noise, geometry)
+
+
+@njit(cache=True, fastmath=True, forceinline=True)
+def measure(p, m, noise, size, ph, gain):  # type: ignore[no-untyped-def]
+    """Take in coordinate m: fill its gain (11,), lower P, return the innovation's variance; `ph` (12,) to work in."""
+    own = m + 6  # the tag's error of this coordinate, or the wheel
+    if m < 3:
+        for j in range(WIDTH):
+            ph[j] = p[own, j] + p[m, j]
+        s = 1e-10 + ph[m] + ph[own]
+    else:
+        for j in range(WIDTH):
+            ph[j] = p[own, j]
+        s = noise[6] ** 2 + ph[own]
+    share = 1.0 / s
+    for i in range(size):
+        g = share * ph[i]
+        gain[i] = g
+        for j in range(WIDTH):
+            p[i, j] -= g * ph[j]
+    return s
+
+
+@njit(cache=True, fastmath=True, forceinline=True)
+def restart_at(p, moving, noise):  # type: ignore[no-untyped-def]
+    """Fill P with what is known where the chain of increments begins: nothing."""
     p[:] = 0.0
     spread = 1.0 + (ENTRY_SPREAD - 1.0) * moving  # the speed at a restart is not known when it moves
     for i in range(3):
@@ -81,55 +109,30 @@ def _start(p, moving, noise):  # type: ignore[no-untyped-def]
     p[9, 9] = p[10, 10] = START_WHEEL**2
 
 
-@njit(cache=True, fastmath=True)
-def _propagate(p, f, fp, size):  # type: ignore[no-untyped-def]
-    """Replace P by F P F'."""
-    for i in range(size):
-        for j in range(size):
-            fp[i, j] = 0.0
-        for m in range(size):
-            a = f[i, m]
-            if a != 0.0:
-                for j in range(size):
-                    fp[i, j] += a * p[m, j]
-    for i in range(size):
-        for j in range(size):
-            p[i, j] = 0.0
-    for j in range(size):
-        for m in range(size):
-            a = f[j, m]
-            if a != 0.0:
-                for i in range(size):
-                    p[j, i] += a * fp[i, m]
-
-
-@njit(cache=True, fastmath=True)
-def _transition(f, dt, rotation, step, moving, noise, geometry):  # type: ignore[no-untyped-def]
-    """Fill the state transition: integrate the speed errors, then turn into the frame at the end."""
+@njit(cache=True, fastmath=True, forceinline=True)
+def _move_columns(p, out, move, rotation, step, size):  # type: ignore[no-untyped-def]
+    """Fill `out` with (F P)': every column of P moves as `move_mean` moves a mean, and becomes a row."""
     c, s, forward, left = rotation[0], rotation[1], step[0], step[1]
-    decay = np.exp(-dt / noise[5])
-    reach = moving * noise[5] * (1.0 - decay)
-    fade = noise[8] ** (dt / geometry[2])
-    f[:] = 0.0
-    f[0, 0], f[0, 1], f[1, 0], f[1, 1] = c, s, -s, c
-    f[0, 2], f[1, 2] = -c * left + s * forward, s * left + c * forward
-    f[0, 3], f[0, 4], f[1, 3], f[1, 4] = c * reach, s * reach, -s * reach, c * reach
-    f[2, 2], f[2, 5] = 1.0, reach
-    f[3, 3] = f[4, 4] = f[5, 5] = decay
-    f[6, 6], f[6, 7], f[7, 6], f[7, 7] = fade * c, fade * s, -fade * s, fade * c
-    f[8, 8] = fade
-    f[9, 9] = f[10, 10] = 1.0
-    f[9, 3] = f[10, 3] = reach / geometry[1]
-    f[10, 5] = reach * geometry[0] / geometry[1]
-    f[9, 5] = -f[10, 5]
+    decay, reach, fade, wheel, twist = move[0], move[1], move[2], move[3], move[4]
+    for j in range(size):
+        ahead, aside, turn = p[3, j], p[4, j], p[5, j]
+        a = p[0, j] - left * p[2, j] + reach * ahead
+        b = p[1, j] + forward * p[2, j] + reach * aside
+        out[j, 0], out[j, 1], out[j, 2] = c * a + s * b, c * b - s * a, p[2, j] + reach * turn
+        out[j, 3], out[j, 4], out[j, 5] = decay * ahead, decay * aside, decay * turn
+        a, b = p[6, j], p[7, j]
+        out[j, 6], out[j, 7], out[j, 8] = fade * (c * a + s * b), fade * (c * b - s * a), fade * p[8, j]
+        out[j, 9], out[j, 10] = (
+            p[9, j] + wheel * ahead - twist * turn,
+            p[10, j] + wheel * ahead + twist * turn,
+        )
 
 
-@njit(cache=True, fastmath=True)
-def _add_noise(p, dt, c, s, moving, noise, geometry):  # type: ignore[no-untyped-def]
+@njit(cache=True, fastmath=True, forceinline=True)
+def _add_noise(p, dt, c, s, moving, move, noise, geometry):  # type: ignore[no-untyped-def]
     """Add the exact covariance of Ornstein-Uhlenbeck speed errors and their integrals, tag colour and wheel slip."""
     memory = noise[5]
-    ratio = dt / memory
-    decay = np.exp(-ratio)
+    ratio, decay = dt / memory, move[0]
     fresh = 1.0 - decay * decay
     cross = moving * memory * (1.0 - decay) ** 2
     if ratio > 0.05:
@@ -149,7 +152,7 @@ def _add_noise(p, dt, c, s, moving, noise, geometry):  # type: ignore[no-untyped
     _both(p, 1, 3, -cross * s * qf)
     _both(p, 1, 4, cross * c * ql)
     _both(p, 2, 5, cross * qt)
-    renewed = 1.0 - noise[8] ** (2.0 * dt / geometry[2])
+    renewed = 1.0 - move[2] * move[2]
     p[6, 6] += renewed * noise[0] ** 2
     p[7, 7] += renewed * noise[0] ** 2
     p[8, 8] += renewed * noise[1] ** 2
@@ -172,24 +175,24 @@ def _both(p, i, j, value):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, fastmath=True)
-def mean_pass(dt, rotation, step, moving, seen, restart, noise, geometry, gains, scale, d, y):  # type: ignore[no-untyped-def]
-    """Return the whitened innovations, shape (n, 5, m), of m columns.
+def mean_pass(rotation, step, seen, restart, moves, gains, scale, d, y, out):  # type: ignore[no-untyped-def]
+    """Fill `out` (N, m) with the whitened innovations of m columns, event by event.
 
     d : (n, 5, m) increments simulated - reference (forward, left [m], turn, wheel left, right [rad]) over the
     interval before each event; y : (n, 5) measured - reference, used for column 0 only (the others are
     derivatives: the measurement does not depend on the parameters). scale : (n, 5) 1 / sqrt(S). What was not
-    seen, and what only restarts the chain, is 0.
+    seen, and what only restarts the chain, has no row.
     """
     n, _, m = d.shape
-    out = np.zeros((n, 5, m))
-    x = np.zeros((11, m))
+    x = np.zeros((STATES, m))
     e = np.zeros(m)
-    size = 11 if seen[:, 3].any() else 9
+    size = STATES if seen[:, 3].any() else 9
+    row = 0
     for k in range(n):
         if restart[k]:
             x[:] = 0.0
         else:
-            _move(x, d[k], dt[k], rotation[k], step[k], moving[k], noise, geometry, m)
+            move_mean(x, d[k], moves[k], rotation[k], step[k], m)
         for i in range(5):
             if not seen[k, i]:
                 continue
@@ -198,22 +201,19 @@ def mean_pass(dt, rotation, step, moving, seen, restart, noise, geometry, gains,
             e[0] += y[k, i]
             if not restart[k]:
                 for j in range(m):
-                    out[k, i, j] = e[j] * scale[k, i]
+                    out[row, j] = e[j] * scale[k, i]
+                row += 1
             for q in range(size):
                 g = gains[k, i, q]
                 for j in range(m):
                     x[q, j] += g * e[j]
-    return out
 
 
-@njit(cache=True, fastmath=True)
-def _move(x, d, dt, rotation, step, moving, noise, geometry, m):  # type: ignore[no-untyped-def]
+@njit(cache=True, fastmath=True, forceinline=True)
+def move_mean(x, d, move, rotation, step, m):  # type: ignore[no-untyped-def]
     """Advance the mean of every column: x = F x + d."""
     c, s, forward, left = rotation[0], rotation[1], step[0], step[1]
-    decay = np.exp(-dt / noise[5])
-    reach = moving * noise[5] * (1.0 - decay)
-    fade = noise[8] ** (dt / geometry[2])
-    wheel, twist = reach / geometry[1], reach * geometry[0] / geometry[1]
+    decay, reach, fade, wheel, twist = move[0], move[1], move[2], move[3], move[4]
     for j in range(m):
         a = x[0, j] - left * x[2, j] + reach * x[3, j] + d[0, j]
         b = x[1, j] + forward * x[2, j] + reach * x[4, j] + d[1, j]

@@ -15,7 +15,15 @@ import numpy as np
 from numba import njit
 
 from fsm_calib.diagnosis.likelihood.noise import Noise
-from fsm_calib.diagnosis.likelihood.whitening import _add_noise, _move, _propagate, _start, _transition
+from fsm_calib.diagnosis.likelihood.whitening import (
+    STATES,
+    WIDTH,
+    advance,
+    measure,
+    move_mean,
+    restart_at,
+    transitions,
+)
 from fsm_calib.diagnosis.replay.prepared import Prepared
 from fsm_calib.types import FloatArray
 
@@ -51,7 +59,7 @@ def prediction_windows(
     starts, ends = window_places(prepared) if places is None else places
     p = prepared
     error, spread = _predict(
-        p.dt, p.rotation, p.step[:, :2].copy(), p.moving, p.seen, p.restart, noise.vector(), p.geometry,
+        p.dt, p.rotation, p.step, p.moving, p.seen, p.restart, noise.vector(), p.geometry,
         np.ascontiguousarray(simulated - p.step)[:, :, None], p.y, starts, ends,
     )  # fmt: skip
     floor = np.column_stack(
@@ -111,43 +119,33 @@ def _median_radius(a: FloatArray, b: FloatArray) -> FloatArray:
 def _predict(dt, rotation, step, moving, seen, restart, noise, geometry, d, y, starts, ends):  # type: ignore[no-untyped-def]
     """Filter up to each start, then run on without measurements; return errors (w, 3) and their variances (w, 3)."""
     n = len(dt)
-    size = 11 if seen[:, 3].any() else 9
-    x, run = np.zeros((11, 1)), np.zeros((11, 1))
-    p, q = np.zeros((11, 11)), np.zeros((11, 11))
-    f, fp = np.zeros((11, 11)), np.zeros((11, 11))
+    size = STATES if seen[:, 3].any() else 9
+    moves = transitions(dt, moving, noise, geometry)
+    x, run = np.zeros((STATES, 1)), np.zeros((STATES, 1))
+    p, q, room = np.zeros((STATES, WIDTH)), np.zeros((STATES, WIDTH)), np.zeros((STATES, WIDTH))
+    ph, gain = np.zeros(WIDTH), np.zeros(STATES)
     error, spread = np.zeros((len(starts), 3)), np.zeros((len(starts), 3))
     w = 0
     for k in range(n):
         if restart[k]:
             x[:] = 0.0
-            _start(p, moving[k], noise)
+            restart_at(p, moving[k], noise)
         else:
-            _move(x, d[k], dt[k], rotation[k], step[k], moving[k], noise, geometry, 1)
-            _transition(f, dt[k], rotation[k], step[k], moving[k], noise, geometry)
-            _propagate(p, f, fp, size)
-            _add_noise(p, dt[k], rotation[k, 0], rotation[k, 1], moving[k], noise, geometry)
+            move_mean(x, d[k], moves[k], rotation[k], step[k], 1)
+            advance(p, room, dt[k], rotation[k], step[k], moving[k], moves[k], noise, geometry, size)
         for m in range(5):
             if not seen[k, m]:
                 continue
-            state, colour = (m, m + 6) if m < 3 else (m + 6, m + 6)
-            e = y[k, m] - x[state, 0] - (x[colour, 0] if m < 3 else 0.0)
-            s = p[state, state] + (1e-10 if m < 3 else noise[6] ** 2)
-            if m < 3:
-                s += 2.0 * p[state, colour] + p[colour, colour]
+            e = y[k, m] - x[m + 6, 0] - (x[m, 0] if m < 3 else 0.0)
+            measure(p, m, noise, size, ph, gain)
             for i in range(size):
-                fp[0, i] = p[i, state] + (p[i, colour] if m < 3 else 0.0)
-            for i in range(size):
-                x[i, 0] += fp[0, i] / s * e
-                for j in range(size):
-                    p[i, j] -= fp[0, i] / s * fp[0, j]
+                x[i, 0] += gain[i] * e
         while w < len(starts) and starts[w] == k:
             run[:] = x
             q[:] = p
             for i in range(k + 1, ends[w] + 1):
-                _move(run, d[i], dt[i], rotation[i], step[i], moving[i], noise, geometry, 1)
-                _transition(f, dt[i], rotation[i], step[i], moving[i], noise, geometry)
-                _propagate(q, f, fp, size)
-                _add_noise(q, dt[i], rotation[i, 0], rotation[i, 1], moving[i], noise, geometry)
+                move_mean(run, d[i], moves[i], rotation[i], step[i], 1)
+                advance(q, room, dt[i], rotation[i], step[i], moving[i], moves[i], noise, geometry, size)
             for m in range(3):
                 error[w, m] = y[ends[w], m] - run[m, 0] - run[m + 6, 0]
                 spread[w, m] = q[m, m] + 2.0 * q[m, m + 6] + q[m + 6, m + 6]

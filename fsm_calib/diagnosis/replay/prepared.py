@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -74,10 +75,15 @@ class Prepared:
         """Whether wheel angles were recorded."""
         return bool(self.seen[:, 3].any())
 
-    @property
+    @cached_property
     def scored(self) -> np.ndarray:
         """Mask (n, 5) of the innovations that enter the likelihood."""
         return np.asarray(self.seen & ~self.restart[:, None])
+
+    @cached_property
+    def innovations(self) -> int:
+        """The number N of innovations that enter the likelihood."""
+        return int(self.scored.sum())
 
 
 def clean_poses(recording: Recording) -> Poses:

@@ -14,6 +14,7 @@ from fsm_calib.errors import DataError
 from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.wheel_stamps import held
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.dynamics import small_rotation
 from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.observation import observe, robot_time, smoothed
 from fsm_calib.world2d.parameters import parameter_table
@@ -82,14 +83,14 @@ class Simulator:
         states = simulate_many(values, drive, grid, start, track, p.settings.simulation_step)
         time, reference = p.time[part], p.reference[part]
         out = np.empty((len(values), len(time), 5))
+        clocked, filtered, seen = (_acts(values, hook) for hook in ("clock", "smooth", "observe"))
         for i, vector in enumerate(values):
-            seen_at = (
-                np.ascontiguousarray(robot_time(vector, p.time)[part]) if _acts(vector, "clock") else time
-            )
-            if _acts(vector, "smooth"):
+            seen_at = np.ascontiguousarray(robot_time(vector, p.time)[part]) if clocked[i] else time
+            if filtered[i]:
                 states[i] = through_filter(vector, grid, states[i])
             sample_increments(states[i], grid[0], GRID_STEP, seen_at, time, out[i])
-            through_sensor(vector, reference, out[i])
+            if seen[i]:
+                through_sensor(vector, reference, out[i])
         return out
 
 
@@ -109,8 +110,7 @@ def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray) -
 
     Place is taken from the reference path, so that open-loop drift does not matter.
     """
-    if _acts(vector, "observe"):
-        mount_and_compose(reference, observe(vector, reference, reference[:, :2]), out)
+    mount_and_compose(reference, observe(vector, reference, reference[:, :2]), out)
 
 
 @per_catalogue
@@ -119,9 +119,9 @@ def _with_hook(hook: str) -> NDArray[np.bool_]:
     return np.array([hook in effect.hooks for effect in registry().values()])
 
 
-def _acts(vector: FloatArray, hook: str) -> bool:
-    """Return whether an effect with a hook between robot and sensor is switched on: `clock`, `smooth` or `observe`."""
-    return bool((active_flags(vector) & _with_hook(hook)).any())
+def _acts(values: FloatArray, hook: str) -> NDArray[np.bool_]:
+    """Return which vectors (k, p) switch on an effect with a hook `clock`, `smooth` or `observe`, (k,)."""
+    return np.asarray((active_flags(values) & _with_hook(hook)).any(axis=1))
 
 
 @njit(cache=True)
@@ -151,6 +151,7 @@ def sample_increments(states, begin, step, pose_time, wheel_time, out):  # type:
     """
     last = len(states) - 2
     px = py = pt = pl = pr = 0.0
+    pc, ps = 1.0, 0.0
     for k in range(len(pose_time)):
         place = (pose_time[k] - begin) / step
         i = min(max(int(place), 0), last)
@@ -158,10 +159,13 @@ def sample_increments(states, begin, step, pose_time, wheel_time, out):  # type:
         h10, h11 = u * (1 - u) ** 2 * step, u * u * (u - 1) * step
         h01 = u * u * (3 - 2 * u)
         a, b = states[i], states[i + 1]
-        ca, sa, cb, sb = np.cos(a[2]), np.sin(a[2]), np.cos(b[2]), np.sin(b[2])
+        ca, sa = np.cos(a[2]), np.sin(a[2])
+        dc, ds = small_rotation(b[2] - a[2])
+        cb, sb = ca * dc - sa * ds, sa * dc + ca * ds
         x = a[0] + h01 * (b[0] - a[0]) + h10 * (ca * a[3] - sa * a[4]) + h11 * (cb * b[3] - sb * b[4])
         y = a[1] + h01 * (b[1] - a[1]) + h10 * (sa * a[3] + ca * a[4]) + h11 * (sb * b[3] + cb * b[4])
-        t = a[2] + h01 * (b[2] - a[2]) + h10 * a[5] + h11 * b[5]
+        turn = h01 * (b[2] - a[2]) + h10 * a[5] + h11 * b[5]
+        t = a[2] + turn
         place = (wheel_time[k] - begin) / step
         i = min(max(int(place), 0), last)
         u = place - i
@@ -170,13 +174,14 @@ def sample_increments(states, begin, step, pose_time, wheel_time, out):  # type:
         if k == 0:
             out[0, :] = 0.0
         else:
-            c, s = np.cos(pt), np.sin(pt)
-            out[k, 0] = c * (x - px) + s * (y - py)
-            out[k, 1] = c * (y - py) - s * (x - px)
+            out[k, 0] = pc * (x - px) + ps * (y - py)
+            out[k, 1] = pc * (y - py) - ps * (x - px)
             out[k, 2] = t - pt
             out[k, 3] = left - pl
             out[k, 4] = right - pr
         px, py, pt, pl, pr = x, y, t, left, right
+        dc, ds = small_rotation(turn)
+        pc, ps = ca * dc - sa * ds, sa * dc + ca * ds
 
 
 def make_simulator(prepared: Prepared, world: Mapping[str, float] | None = None) -> Simulator:

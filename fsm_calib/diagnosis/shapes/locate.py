@@ -153,7 +153,7 @@ def _when(residual: Residual, situations: list[Situation]) -> tuple[tuple[float,
     begin = 0
     for whitener in residual.whiteners:
         p = whitener.prepared
-        count = int(p.scored.sum())
+        count = p.innovations
         psi = residual.psi[begin : begin + count]
         begin += count
         second = np.broadcast_to(np.floor((p.time - p.time[0]) / BIN).astype(int)[:, None], p.scored.shape)[

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import chdtrc
@@ -45,6 +46,16 @@ class Residual:
     whiteners: tuple[Whitener, ...]
     engine: Engine
 
+    @cached_property
+    def weighted_basis(self) -> FloatArray:
+        """The basis (N, m) with the residual's robust weights."""
+        return self.basis * robust_weights(self.white, self.engine.nu)[:, None]
+
+    @cached_property
+    def refit(self) -> FloatArray:
+        """The matrix (m, m) that turns `weighted_basis.T @ r` into the numbers re-fitted to a residual r (N,)."""
+        return np.asarray(np.linalg.inv(self.weighted_basis.T @ self.basis))
+
 
 def residual_of(engine: Engine, fit: Fit) -> Residual:
     """Whiten a fit's residual and orthonormalise its Jacobian."""
@@ -74,9 +85,8 @@ def winnings(residual: Residual, changes: FloatArray) -> FloatArray:
     judged by the densities themselves. The base is re-fitted with the weights of the residual before the change.
     """
     nu = residual.engine.nu
-    weighted = residual.basis * robust_weights(residual.white, nu)[:, None]
     left = residual.white[:, None] - changes
-    fitted = left - residual.basis @ np.linalg.solve(weighted.T @ residual.basis, weighted.T @ left)
+    fitted = left - residual.basis @ (residual.refit @ (residual.weighted_basis.T @ left))
     after = np.maximum(log_kernel(left, nu), log_kernel(fitted, nu))
     return after - log_kernel(residual.white, nu)
 
@@ -109,6 +119,10 @@ def log_tail(energy: float | FloatArray, degrees: float | FloatArray) -> FloatAr
 
 def left_over(engine: Engine, fit: Fit, groups: Iterable[Group]) -> list[LeftOver]:
     """Return the tests of all groups, most surprising first."""
-    residual = residual_of(engine, fit)
+    return tested(residual_of(engine, fit), groups)
+
+
+def tested(residual: Residual, groups: Iterable[Group]) -> list[LeftOver]:
+    """Return the tests of all groups on a residual, most surprising first."""
     tests = [test_group(residual, group) for group in groups]
     return sorted(tests, key=lambda test: -test.surprise)

@@ -118,7 +118,8 @@ class Selector:
     def _grown_on(self, selection: Selection) -> Selection:
         """Return the selection with further effects as long as any is worth it."""
         while len(selection.effects) < self.most:
-            larger = self._with_one_more(selection, self._worth_asking(selection))
+            bank = self._bank_on(selection)
+            larger = self._with_one_more(selection, bank, self._worth_asking(selection, bank))
             if larger is None:
                 return selection
             selection = larger
@@ -131,8 +132,13 @@ class Selector:
         if len(selection.effects) >= self.most:
             return selection
         beside = self._beside(selection)
-        out = standing_out(self.engine, selection.fit, beside, self.needed)
-        return self._with_one_more(selection, [e for e in beside if e.name in out]) or selection
+        bank = self._bank_on(selection)
+        out = standing_out(bank, beside, self.needed)
+        return self._with_one_more(selection, bank, [e for e in beside if e.name in out]) or selection
+
+    def _bank_on(self, selection: Selection) -> Bank:
+        """Return the bank that fits further effects on top of a selection."""
+        return Bank.on(self.engine, selection.fit, self._wanted(selection), self.distinct)
 
     def best_grown(self, ranking: Sequence[Ranked]) -> Selection:
         """Return the best selection that begins with the first of a ranking, or with one that is hardly behind it.
@@ -199,12 +205,11 @@ class Selector:
         won = moved.score - rival.fit.score
         return replace(rival, fit=moved, evidence=rival.evidence + 2.0 * won, gain=rival.gain + won)
 
-    def _with_one_more(self, selection: Selection, further: Sequence[Effect]) -> Selection | None:
+    def _with_one_more(self, selection: Selection, bank: Bank, further: Sequence[Effect]) -> Selection | None:
         """Return the selection with the best of further effects, less what it makes needless; None where none is."""
         if not further:
             return None
         wanted = self._wanted(selection)
-        bank = Bank.on(self.engine, selection.fit, wanted, self.distinct)
         before = {r.name: i for i, r in enumerate(selection.rankings[-1])}
         found = self.ranked(
             bank, selection.fit, sorted(further, key=lambda e: before.get(e.name, len(before)))
@@ -220,17 +225,10 @@ class Selector:
         """Return the evidence that a further effect must have."""
         return max(self.needed, self.share * selection.rankings[0][0].evidence)
 
-    def _worth_asking(self, selection: Selection) -> list[Effect]:
+    def _worth_asking(self, selection: Selection, bank: Bank) -> list[Effect]:
         """Return the effects that what is left could be."""
         hinted = {r.name for ranking in selection.rankings for r in ranking if r.evidence > self.needed}
-        return worth_asking(
-            self.engine,
-            selection.fit,
-            self._beside(selection),
-            hinted,
-            needed=self.needed,
-            curious=self.curious,
-        )
+        return worth_asking(bank, self._beside(selection), hinted, needed=self.needed, curious=self.curious)
 
     def _beside(self, selection: Selection) -> list[Effect]:
         named = {e.name for e in selection.effects}

@@ -11,12 +11,9 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
-from fsm_calib.diagnosis.candidates.scan import scan_of
-from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.form_test import Remainder
-from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
-from fsm_calib.diagnosis.shapes.score_tests import left_over
+from fsm_calib.diagnosis.shapes.score_tests import tested
 from fsm_calib.world2d.effects import Effect
 
 PLACES = {"place", "place and heading"}
@@ -25,15 +22,9 @@ TIMES = {"time", "moment", "wear and warmth"}
 
 
 def worth_asking(
-    engine: Engine,
-    fit: Fit,
-    effects: Sequence[Effect],
-    hinted: Collection[str],
-    *,
-    needed: float,
-    curious: float,
+    bank: Bank, effects: Sequence[Effect], hinted: Collection[str], *, needed: float, curious: float
 ) -> list[Effect]:
-    """Return those of some effects, none of them in the fit, that what it leaves could be.
+    """Return those of some effects, none of them in the bank's parent, that what it leaves could be.
 
     hinted : names that had evidence before; needed, curious : as in `Selector`.
 
@@ -41,11 +32,11 @@ def worth_asking(
     stand out among all moments: a push of a quarter of a second is one pose in a hundred to the test of a regime. Where
     the world's physics is another than ours, a moment that stands out may be none (`Support.alone`).
     """
-    groups = feature_groups(situations_of(engine.simulators, fit.values))
-    left = [t for t in left_over(engine, fit, groups) if t.surprise > curious]
+    tests = tested(bank.scanner.residual, feature_groups(bank.scanner.situations))
+    left = [t for t in tests if t.surprise > curious]
     regimes = {t.group.regime for t in left}
-    hinted = {*hinted, *standing_out(engine, fit, [e for e in effects if e.name not in hinted], needed)}
-    if not left and Remainder.of(engine, fit).beside <= needed:
+    hinted = {*hinted, *standing_out(bank, [e for e in effects if e.name not in hinted], needed)}
+    if not left and Remainder.of(bank.engine, bank.parent).beside <= needed:
         return [e for e in effects if e.scan == "time" and e.name in hinted]
     return [
         e
@@ -55,13 +46,12 @@ def worth_asking(
     ]
 
 
-def standing_out(engine: Engine, fit: Fit, effects: Sequence[Effect], needed: float) -> set[str]:
-    """Return the effects of a moment of which one promises clearly more than all others do on top of a fit."""
-    scanner, price = Bank.on(engine, fit).scanner, float(np.log(engine.count))
+def standing_out(bank: Bank, effects: Sequence[Effect], needed: float) -> set[str]:
+    """Return the effects of a moment of which one promises clearly more than all others do on top of the parent."""
+    price = float(np.log(bank.engine.count))
     found = set()
     for effect in (e for e in effects if e.when == "moment"):
-        scan = scan_of(effect)
-        for moment in scan(scanner, effect) if scan is not None else ():
+        for moment in bank.scanner.candidates(effect):
             evidence = 2.0 * moment.promise - price * len(moment.changes)
             if evidence >= needed + 2.0 * moment.elsewhere:
                 found.add(effect.name)
