@@ -175,8 +175,8 @@ def test_nothing_to_fit_is_refused() -> None:
 def test_the_duckiebots_driver_over_compensates() -> None:
     """A real Duckiebot: not slip, not lag, not the axle.
 
-    It leads and nothing stands beside it. How sure it is hangs on the last bits of the linear algebra (0.58 or 0.66 by
-    the processor: its size in the other drive is found in four steps), and so whether it is said from 0.6 on.
+    It leads and nothing stands beside it, but one drive asks for -0.9 and the other for -0.4: an eighth of what it
+    explains is another law in each, and 0.57 is just too little to say it.
     """
     considered = (
         "motor_deadband",
@@ -188,10 +188,11 @@ def test_the_duckiebots_driver_over_compensates() -> None:
     )
     runs = [shared(f"duckiebot-watchtower/{run}") for run in ("b1-run1", "b2-run1")]
     result = diagnose(runs, [shared("duckiebot-watchtower/b2-run5")], without=without_all_but(*considered))
-    assert {e.name for e in result.verdict.effects} <= {"motor_deadband"}
-    leads = result.decision.model.beliefs[0]
+    assert result.decision.outcome == "unexplained"
+    leads, support = result.decision.model.beliefs[0], result.decision.model.supports[0]
     assert leads.among == ("motor_deadband",)
     assert leads.probability > 0.5
+    assert support.law.moved == pytest.approx(0.13, abs=0.02)
     offset = parameter_table().place("motor_deadband.offset")
     assert result.decision.model.fit.values[0, offset] < -0.3
     proof = result.verdict.holdout
