@@ -13,13 +13,13 @@ import pytest
 
 from fsm_calib.actions import Bench, boards, focusing, leaving, markers
 from fsm_calib.actions.boards import SAME_BOARD_WITHIN, Sighting, beyond, first_of, followed
+from fsm_calib.actions.held_up import DRIVE_BLOCKED
 from fsm_calib.actions.leaving import drive_off, hand_over
 from fsm_calib.actions.looking import FRAME_FROZEN, FRAME_MISSING, look
 from fsm_calib.actions.markers import MARKER_MISSED, heading_of, heading_sd, read_markers
 from fsm_calib.actions.moving import CLOCKWISE, COUNTERCLOCKWISE, drive, push, run_wheels
 from fsm_calib.actions.notebook import MarkerReading
 from fsm_calib.actions.stopping import stop_wheels
-from fsm_calib.actions.turning import DRIVE_BLOCKED
 from fsm_calib.types import STOP, Frame, TagObservation, WheelCommand
 
 

@@ -8,10 +8,11 @@ from dataclasses import replace
 import pytest
 
 from fsm_calib.actions import Bench, wheel_runs, with_published
+from fsm_calib.actions.held_up import DRIVE_BLOCKED
 from fsm_calib.actions.looking import FRAME_MISSING
 from fsm_calib.actions.notebook import MarkerReading, WheelRun
 from fsm_calib.actions.settings import ActionSettings
-from fsm_calib.actions.turning import DRIVE_BLOCKED, WHEEL_STALLED
+from fsm_calib.actions.turning import WHEEL_STALLED
 from fsm_calib.actions.wheel_runs import drive_back, drive_forward, driven, measure_ratio
 from fsm_calib.types import STOP, Pose2, TagObservation, WheelCommand
 
@@ -164,6 +165,7 @@ def test_a_drive_shorter_than_the_usual_ones_was_held_up(
     bench.settings = settings
     bench.notebook.runs = [run_of(distance) for distance in runs]
     monkeypatch.setattr(wheel_runs, "run_from_readings", lambda bench, distance: run_of(distance))
+    monkeypatch.setattr(wheel_runs, "why_held_up", lambda bench: DRIVE_BLOCKED)
     shows(monkeypatch, reading_from(Pose2(way, 0.0, 0.0)))
     assert (measure_ratio(bench) is DRIVE_BLOCKED) is is_blocked
     assert len(bench.notebook.runs) == len(runs) + (not is_blocked)

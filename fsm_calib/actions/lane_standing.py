@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.held_up import why_held_up
 from fsm_calib.actions.looking import look
 from fsm_calib.actions.moving import run_wheels
 from fsm_calib.actions.settings import ActionSettings
@@ -63,7 +64,10 @@ def is_same(settings: ActionSettings, before: NDArray[np.uint8], after: NDArray[
 
 
 def why_standing(bench: Bench) -> Outcome:
-    """Stop and drive back, harder and harder: what an obstacle holds gets away from it, a dead drive does not."""
+    """Stop and drive back, harder and harder: what an obstacle holds gets away from it, a dead drive does not.
+
+    A robot with one dead wheel turns about it, and does not get away either.
+    """
     turn, command = bench.settings.turn, bench.settings.lane.command
     bench.robot.command(STOP)
     bench.robot.wait(bench.settings.drive.settle)
@@ -75,7 +79,7 @@ def why_standing(bench: Bench) -> Outcome:
         if isinstance(moved, Outcome):
             return moved
         if moved:
-            return LANE_BLOCKED
+            return why_held_up(bench, LANE_BLOCKED)
         if command >= turn.largest_command:
             return WHEELS_STALLED
         command = min(command * turn.raise_factor, turn.largest_command)

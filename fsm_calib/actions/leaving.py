@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.held_up import why_held_up
 from fsm_calib.actions.markers import MARKER_MISSED, look_at_markers
 from fsm_calib.actions.moving import drive
 from fsm_calib.actions.notebook import MarkerReading
-from fsm_calib.actions.turning import DRIVE_BLOCKED
 from fsm_calib.outcome import Outcome
 from fsm_calib.types import STOP, TagObservation
 
@@ -26,7 +26,7 @@ def drive_off(bench: Bench) -> Outcome:
     if isinstance(after, Outcome):
         return after
     if drives and _stands(before, after, settings.moved_share * settings.stretch):
-        return DRIVE_BLOCKED
+        return why_held_up(bench)
     notebook.field_left = not after
     if not after:
         return MARKER_MISSED

@@ -100,6 +100,11 @@ class DriveSettings:
     same_place : float
         Pictures that are this alike above the horizon are of one place [1]: rendered ones within 6 cm and 4 deg,
         markers gone or the picture blurred, are alike by 0.87 and more, ones 0.5 m apart by 0.67 and less.
+    told_back : float
+        A drive back that tells an obstacle from a dead wheel [m]: a robot of 0.1 m axle turns by 17 deg about a wheel
+        that stands, within what the picture tells.
+    one_wheel_turn : float
+        Share of that turn which says that a wheel stands [1]; motors 22 % apart turn by as much less.
     straight_within : float
         A drive that turned by more than this tells nothing of where the camera looks [rad].
     """
@@ -119,4 +124,6 @@ class DriveSettings:
     reached_share: float = 0.6
     least_shift: float = 0.10
     same_place: float = 0.77
+    told_back: float = 0.03
+    one_wheel_turn: float = 0.35
     straight_within: float = 0.5

@@ -22,11 +22,6 @@ ROBOT_BLOCKED = Outcome(
     sentence="The robot turns one way but not the other: something stands in its way.",
     cure="Clear the area around the robot.",
 )
-DRIVE_BLOCKED = Outcome(
-    "robot_blocked",
-    sentence="The robot was driven, but the markers say that it did not get as far: something stands in its way.",
-    cure="Clear the way over the floor markers and around the robot.",
-)
 _LEARNING_SHARE = 0.5  # weight of the newest push in the learnt gain [1]
 
 

@@ -8,12 +8,13 @@ from dataclasses import replace
 from statistics import median
 
 from fsm_calib.actions.bench import Bench
+from fsm_calib.actions.held_up import DRIVE_BLOCKED, why_held_up
 from fsm_calib.actions.marker_map import extend, place
 from fsm_calib.actions.markers import look_at_markers, read_markers
 from fsm_calib.actions.moving import drive
 from fsm_calib.actions.notebook import MarkerReading, WheelRun
 from fsm_calib.actions.ratio import combined_ratio, run_from_readings
-from fsm_calib.actions.turning import DRIVE_BLOCKED, WHEEL_STALLED
+from fsm_calib.actions.turning import WHEEL_STALLED
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.turning import likeness_above
 from fsm_calib.types import Pose2, TagObservation
@@ -29,7 +30,7 @@ def drive_forward(bench: Bench) -> Outcome:
     """
     notebook = bench.notebook
     if _ended_elsewhere(bench):
-        return DRIVE_BLOCKED
+        return why_held_up(bench)
     notebook.last_duration = _duration(bench)
     notebook.last_ratio = notebook.wheel_ratio
     notebook.is_length_told = True
@@ -56,7 +57,7 @@ def drive_back(bench: Bench) -> Outcome:
     notebook = bench.notebook
     drive(bench, notebook.last_duration, notebook.last_ratio, backward=True)
     if not notebook.is_length_told and _has_lost_its_start(bench):
-        return DRIVE_BLOCKED
+        return why_held_up(bench)
     return Outcome("drive_finished", {"duration": round(notebook.last_duration, 4)}, "Driven back.")
 
 
@@ -71,7 +72,7 @@ def measure_ratio(bench: Bench) -> Outcome:
     distance, seen = driven(bench, start, reading)
     notebook.is_length_told = seen
     if seen and _fell_short(bench, distance):
-        return DRIVE_BLOCKED
+        return why_held_up(bench)
     if seen:
         notebook.speed = distance / notebook.last_duration
         learn_yaw(bench, distance)
