@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fsm_calib.actions import Bench, wheel_runs, with_published
+from fsm_calib.actions.held_up import DRIVE_BLOCKED
 from fsm_calib.actions.looking import FRAME_FROZEN
 from fsm_calib.actions.notebook import MarkerReading, WheelRun
 from fsm_calib.actions.settings import ActionSettings
@@ -37,6 +38,12 @@ def marker(number: int, x: float) -> TagObservation:
 
 def reading(*tags: TagObservation) -> MarkerReading:
     return MarkerReading(tags, 0.0, 0.0)
+
+
+@pytest.fixture(autouse=True)
+def held_by_an_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What holds a robot up is asked of it elsewhere (`test_action_held_up.py`)."""
+    monkeypatch.setattr(wheel_runs, "why_held_up", lambda bench: DRIVE_BLOCKED)
 
 
 def bench_after_a_drive(back_at: float, settings: ActionSettings | None = None) -> Bench:

@@ -23,7 +23,7 @@ def test_its_robot_is_found_from_what_it_drives(engine, monkeypatch):
 
     monkeypatch.setattr(pairs, "DURATION", 15.0)
     simulate, robot = pairs.engine_of(engine), pairs.Robot(axle=0.104)
-    drive = pairs.recorded(robot, simulate, 5, "mixed")
+    drive = pairs.recorded(robot, simulate, [5], "mixed")
     path = path_of(pairs.called(robot, simulate), drive)
     assert path[-1, 0] >= drive.pose.time[-1]
     fit = fit_base(Engine((make_simulator(prepare(drive)),)))
