@@ -8,7 +8,7 @@ import pytest
 
 from fsm_calib.actions import Bench
 from fsm_calib.actions.held_up import DRIVE_BLOCKED, why_held_up
-from fsm_calib.actions.looking import look
+from fsm_calib.actions.looking import FRAME_FROZEN, FRAME_MISSING, look
 from fsm_calib.types import Frame, WheelCommand
 
 BLOCKS = np.random.default_rng(3).uniform(20.0, 220.0, (12, 30))
@@ -19,8 +19,8 @@ SIZE = (480, 640)
 class Robot:
     """A robot whose picture moves by some columns to the right when it is driven."""
 
-    def __init__(self, columns: int, frames: int = 9) -> None:
-        self.columns, self.at, self.frames, self.driven = columns, 300, frames, []
+    def __init__(self, columns: int, frames: int = 9, noise: float = 2.0) -> None:
+        self.columns, self.at, self.frames, self.noise, self.driven = columns, 300, frames, noise, []
 
     def run(self, command: WheelCommand, duration: float) -> None:
         self.driven.append((command, duration))
@@ -34,9 +34,8 @@ class Robot:
 
     def capture(self) -> Frame | None:
         self.frames -= 1
-        room = ROOM[:, self.at : self.at + SIZE[1]] + np.random.default_rng(abs(self.frames)).normal(
-            0.0, 2.0, SIZE
-        )
+        noise = self.noise * np.random.default_rng(abs(self.frames)).normal(0.0, 1.0, SIZE)
+        room = ROOM[:, self.at : self.at + SIZE[1]] + noise
         return None if self.frames < 0 else Frame(np.clip(room, 0, 255).astype(np.uint8), 0.0, 0)
 
 
@@ -70,6 +69,10 @@ def test_it_is_driven_back_by_both_wheels_no_farther_than_a_picture_tells() -> N
     assert duration * bench.settings.drive.expected_speed == pytest.approx(bench.settings.drive.told_back)
 
 
-@pytest.mark.parametrize("frames", [0, 1])
-def test_where_no_picture_tells_an_obstacle_is_assumed(frames: int) -> None:
-    assert why_held_up(bench_of(Robot(60, frames))) is DRIVE_BLOCKED
+def test_where_no_picture_was_taken_before_an_obstacle_is_assumed() -> None:
+    assert why_held_up(Bench(Robot(60))) is DRIVE_BLOCKED
+
+
+def test_a_camera_that_froze_or_fell_silent_on_the_way_is_told() -> None:
+    assert why_held_up(bench_of(Robot(60, frames=1))) is FRAME_MISSING
+    assert why_held_up(bench_of(Robot(0, noise=0.0))) is FRAME_FROZEN

@@ -326,6 +326,7 @@ def test_markers_that_stay_where_they_were_tell_an_obstacle_on_the_way_out(
     before = (tag(1, 0.3), tag(2, 0.45))
     bench.notebook.reading = MarkerReading(before, 0.0, 0.0)
     leaves(monkeypatch, tuple(replace(seen, x=seen.x - moved * least) for seen in before))
+    monkeypatch.setattr(leaving, "why_held_up", lambda bench: DRIVE_BLOCKED)
     assert (drive_off(bench) is DRIVE_BLOCKED) is is_blocked
 
 

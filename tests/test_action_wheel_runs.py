@@ -12,7 +12,9 @@ from fsm_calib.actions.held_up import DRIVE_BLOCKED
 from fsm_calib.actions.looking import FRAME_FROZEN
 from fsm_calib.actions.notebook import MarkerReading, WheelRun
 from fsm_calib.actions.settings import ActionSettings
+from fsm_calib.actions.turning import WHEEL_STALLED
 from fsm_calib.actions.wheel_runs import drive_back, drive_forward, learn_yaw, update_ratio
+from fsm_calib.outcome import Outcome
 from fsm_calib.types import STOP, Pose2, TagObservation, WheelCommand
 
 
@@ -158,3 +160,14 @@ def test_a_start_that_moved_sideways_is_elsewhere_too(sideways: float, trigger: 
     bench.notebook.readings[0] = reading(TagObservation(7, 0.3, 0.2, 0.0, 0.36))
     bench.notebook.reading = reading(TagObservation(7, 0.3, 0.2 + sideways, 0.0, 0.36))
     assert drive_forward(bench).trigger == trigger
+
+
+@pytest.mark.parametrize(
+    ("told", "trigger"),
+    [(WHEEL_STALLED, "wheel_stalled"), (DRIVE_BLOCKED, "robot_blocked"), (FRAME_FROZEN, "robot_blocked")],
+)
+def test_a_frame_lost_after_the_robot_was_seen_elsewhere_excuses_no_obstacle(
+    monkeypatch: pytest.MonkeyPatch, told: Outcome, trigger: str
+) -> None:
+    monkeypatch.setattr(wheel_runs, "why_held_up", lambda bench: told)
+    assert drive_forward(bench_after_a_drive(back_at=0.3 + 0.25)).trigger == trigger

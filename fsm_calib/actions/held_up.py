@@ -23,14 +23,17 @@ DRIVE_BLOCKED = Outcome(
 def why_held_up(bench: Bench, blocked: Outcome = DRIVE_BLOCKED) -> Outcome:
     """Drive back a little: a robot that turns about one wheel has a dead one, any other was `blocked`.
 
-    Where the picture does not tell (a lost frame, no clear turn) an obstacle is assumed.
+    A camera that froze on the way shows a robot that got nowhere: the loss of a frame is returned as such. Without a
+    clear turn an obstacle is assumed.
     """
     settings, before = bench.settings.drive, bench.notebook.panorama
     command = bench.notebook.drive_command or settings.command
     wheels = WheelCommand(-command, -command * bench.notebook.wheel_ratio)
     run_wheels(bench, wheels, settings.told_back / settings.expected_speed, settings.settle)
     seen, after = look(bench), bench.notebook.panorama
-    if isinstance(seen, Outcome) or before is None or after is None:
+    if isinstance(seen, Outcome):
+        return seen
+    if before is None or after is None:
         return blocked
     turn = turn_between(before, after)
     of_one_wheel = settings.told_back / bench.settings.ratio.axle_length

@@ -30,7 +30,7 @@ def drive_forward(bench: Bench) -> Outcome:
     """
     notebook = bench.notebook
     if _ended_elsewhere(bench):
-        return why_held_up(bench)
+        return _obstacle_or_wheel(bench)
     notebook.last_duration = _duration(bench)
     notebook.last_ratio = notebook.wheel_ratio
     notebook.is_length_told = True
@@ -57,8 +57,14 @@ def drive_back(bench: Bench) -> Outcome:
     notebook = bench.notebook
     drive(bench, notebook.last_duration, notebook.last_ratio, backward=True)
     if not notebook.is_length_told and _has_lost_its_start(bench):
-        return why_held_up(bench)
+        return _obstacle_or_wheel(bench)
     return Outcome("drive_finished", {"duration": round(notebook.last_duration, 4)}, "Driven back.")
+
+
+def _obstacle_or_wheel(bench: Bench) -> Outcome:
+    """Return what held the robot up where pictures have just shown that something did: a loss of one now is not it."""
+    held = why_held_up(bench)
+    return held if held.trigger in (DRIVE_BLOCKED.trigger, WHEEL_STALLED.trigger) else DRIVE_BLOCKED
 
 
 def measure_ratio(bench: Bench) -> Outcome:
