@@ -30,6 +30,7 @@ from fsm_calib.diagnosis.verdict.posterior import (
     shape_probability,
 )
 from fsm_calib.diagnosis.verdict.support import STEADY, STEADY_HERE, RivalGap, Support
+from fsm_calib.world2d.parameters import parameter_table
 
 NEVER = 1e9  # evidence that settles a question
 FORMS = {"instead": -100.0, "beside": 0.0, "instead_quantities": ("speed",), "beside_quantities": ("turn",)}
@@ -374,3 +375,15 @@ def test_the_seconds_of_a_part_are_added_up(monkeypatch: pytest.MonkeyPatch) -> 
         with one.part("base"):
             pass
     assert one.seconds == {"base": 7.0}
+
+
+@pytest.mark.parametrize(("curve_y", "probability"), [(0.03, 0.5), (0.0, 1.0)])
+def test_a_name_that_something_beyond_the_catalogue_equals_is_even_odds(curve_y, probability) -> None:
+    table, sure = parameter_table(), support("floor_tilt")
+    curved = ("slope_x", "slope_y", "curve_x", "curve_y", "twist")
+    values = table.null[None].copy()
+    values[0, [table.place("floor_tilt.curve_x"), table.place("floor_tilt.curve_y")]] = 0.03, curve_y
+    hypothesis = SimpleNamespace(closure="curved", names=curved, elsewhere=0.0)
+    effect = SimpleNamespace(name="floor_tilt", hypothesis=hypothesis, fit=SimpleNamespace(values=values))
+    told = belief_of(replace(sure, effect=effect)).probability  # type: ignore[arg-type]
+    assert told == pytest.approx(probability * shape_probability(sure), abs=1e-6)

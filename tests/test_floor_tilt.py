@@ -6,6 +6,7 @@ from diagnosis_robots import recording
 
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects.floor_tilt import is_central
 from fsm_calib.world2d.parameters import parameters
 from fsm_calib.world2d.rollout import Drive, simulate
 
@@ -33,10 +34,26 @@ def test_a_floor_with_a_twist_rises_along_x_as_one_goes_along_y():
     assert rolled(0.0, -1.0, twist=0.05)[0] > 1e-3
 
 
-def test_a_hollow_is_named_a_tilt_that_is_curved_and_its_curve_is_measured():
-    hidden = {"floor_tilt__slope_x": 0.01, "floor_tilt__curve_x": 0.03, "floor_tilt__curve_y": 0.03}
+def test_a_gutter_is_named_a_tilt_that_is_curved_and_its_curve_is_measured():
+    hidden = {"floor_tilt__slope_x": 0.01, "floor_tilt__curve_x": 0.03, "floor_tilt__curve_y": 0.01}
     found = diagnose([recording(seed, 30.0, **hidden) for seed in (1, 2)], without=WITHOUT)
     (tilt,) = found.verdict.effects
     assert (tilt.name, tilt.closure) == ("floor_tilt", "curved")
-    for name in ("curve_x", "curve_y"):
-        assert tilt.parameters[name].value == pytest.approx(0.03, abs=3.0 * tilt.parameters[name].sd)
+    for name, true in (("curve_x", 0.03), ("curve_y", 0.01)):
+        assert tilt.parameters[name].value == pytest.approx(true, abs=3.0 * tilt.parameters[name].sd)
+
+
+def test_a_hollow_alike_on_all_sides_may_be_a_taut_cable_and_has_no_name():
+    hidden = {"floor_tilt__slope_x": 0.01, "floor_tilt__curve_x": 0.03, "floor_tilt__curve_y": 0.03}
+    found = diagnose([recording(seed, 30.0, **hidden) for seed in (1, 2)], without=WITHOUT)
+    assert found.decision.outcome == "unexplained"
+    assert found.decision.model.beliefs[0].name == "floor_tilt"
+    assert found.decision.model.beliefs[0].probability == pytest.approx(0.5, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("curve_x", "curve_y", "twist", "is_told"),
+    [(0.04, 0.041, 0.0, False), (-0.02, -0.02, 0.001, False), (0.03, 0.0, 0.0, True), (0.0, 0.0, 0.01, True)],
+)
+def test_only_what_falls_alike_on_all_sides_is_what_a_spring_does(curve_x, curve_y, twist, is_told):
+    assert is_central({"curve_x": curve_x, "curve_y": curve_y, "twist": twist}) is not is_told

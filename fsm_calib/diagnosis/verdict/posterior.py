@@ -55,6 +55,7 @@ def belief_of(support: Support) -> Belief:
     beaten = [(r.name, r.gap.probability_within(inexact)) for r in support.rivals]
     near = [name for name, p in beaten if p < TOLD_APART]
     against = sum((1.0 - p) / p for _, p in beaten if p >= TOLD_APART)
+    against += 1.0 if support.has_twin else 0.0  # one more that is no worse
     probability = support.alone.probability * shape_probability(support) / (1.0 + against)
     return Belief(support.effect, probability, (support.name, *near))
 

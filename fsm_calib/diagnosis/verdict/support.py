@@ -13,6 +13,7 @@ from fsm_calib.diagnosis.proof.gap import Gap
 from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.proof.one_law import OneLaw
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
 
 STEADY = 12.0  # evidence over its spread from second to second at which a law's and a patch's are told apart
 STEADY_HERE = 6.0  # the same of what acts in one place or at one time
@@ -104,6 +105,17 @@ class Support:
             return 0.0
         steady = STEADY_HERE if effect.scan else STEADY
         return (1.0 - self.share) * math.log1p(steady * self.alone.spread / max(self.added.evidence, 1.0))
+
+    @property
+    def has_twin(self) -> bool:
+        """Whether something that no effect is does the very same (`Closure.has_twin`), in any recording."""
+        with_twins = {c.name: c.has_twin for c in registry()[self.name].closures if c.has_twin}
+        has_twin = with_twins.get(self.effect.hypothesis.closure) if with_twins else None
+        if has_twin is None:
+            return False
+        table, names = parameter_table(), self.effect.hypothesis.names
+        rows = self.effect.fit.values
+        return any(has_twin({n: float(row[table.place(f"{self.name}.{n}")]) for n in names}) for row in rows)
 
     @property
     def moved(self) -> float:

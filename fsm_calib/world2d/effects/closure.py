@@ -7,7 +7,7 @@ frees some of them, and may hold choices at values of its own. A verdict names t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -33,6 +33,9 @@ class Closure:
     refines : bool
         It makes the equation of the others more exact and says nothing of the name: a diagnosis tries it once the
         effect is in the model, not while names compete.
+    has_twin : callable, optional
+        Takes the closure's numbers by name; whether something that is no effect of the catalogue does the very same
+        with these. No drive tells the two apart, so that the name is even odds.
     """
 
     name: str
@@ -42,6 +45,7 @@ class Closure:
     source: str = ""
     fixes: Mapping[str, float] = field(default_factory=dict)
     refines: bool = False
+    has_twin: Callable[[Mapping[str, float]], bool] | None = None
 
     def __post_init__(self) -> None:
         """Freeze what it fixes."""

@@ -6,10 +6,14 @@ m [kg], g = 9.80665 m/s2, slope_x and slope_y [rad]: rise of the floor along the
 over it or, where it is curved, at the origin; x, y [m] the axle's centre in `world`; curve_x, curve_y, twist [rad/m]:
 how much the slopes grow with every metre (the height's second derivatives; slopes of a height have one twist). A floor
 that sags to its middle or to a drain has positive curves, one that drops to its edges negative ones. The robot rolls
-downhill also with its motors off. Source: gravity on an inclined plane; the height's second order over the place.
+downhill also with its motors off. A floor that falls alike on all sides of a place does what a spring to that place
+does: there no motion tells which it is. Source: gravity on an inclined plane; the height's second order over the place.
 """
 
 from __future__ import annotations
+
+import math
+from collections.abc import Mapping
 
 from numba import njit
 
@@ -28,6 +32,19 @@ def pull(P, o, S, m, W):
     add_force(W, fx, fy, W[COM_X] * fy - W[COM_Y] * fx)
 
 
+def is_central(numbers: Mapping[str, float]) -> bool:
+    """Return whether a curved floor falls alike on all sides of a place, as a taut cable or a stream of air pulls.
+
+    F = -m g c (p - p0), c [rad/m] the mean curve: the pull of a spring of stiffness m g c [N/m] that is fixed at p0.
+    """
+    curve_x, curve_y = numbers["curve_x"], numbers["curve_y"]
+    uneven = math.hypot(0.5 * (curve_x - curve_y), numbers["twist"])
+    return uneven < CENTRAL * abs(0.5 * (curve_x + curve_y))
+
+
+CENTRAL = (
+    0.3  # of the mean curve: no spring is more uneven (springs and bowls are by 0.01 to 0.04, a gutter by 1)
+)
 CURVED = "1 to 2 % of slope over a metre or two towards a drain"
 
 EFFECT = Effect(
@@ -87,6 +104,7 @@ EFFECT = Effect(
             "a slope that changes with the place: a hollow, a crown, a gutter",
             sentence="The floor rises by {slope_x} along x and {slope_y} along y at the origin, and by {curve_x} and "
             "{curve_y} more with every metre along them.",
+            has_twin=is_central,
         ),
     ),
     order=80,
