@@ -115,7 +115,8 @@ class Held:
 def test_a_robot_that_gets_away_backward_was_blocked() -> None:
     robot = Held(moves_from=SETTINGS.lane.command)
     assert why_standing(Bench(robot)) is LANE_BLOCKED
-    assert robot.driven[:2] == [STOP, WheelCommand(-SETTINGS.lane.command, -SETTINGS.lane.command)]
+    back = [WheelCommand(-command, -command) for command in (SETTINGS.lane.command, SETTINGS.drive.command)]
+    assert robot.driven == [STOP, *back]
 
 
 def test_wheels_that_move_nothing_at_their_most_are_dead() -> None:

@@ -1,17 +1,16 @@
 """What held the robot up: something in its way, or a wheel that does not turn?
 
 Either leaves a drive short of where it should have led. Driven a little back, a robot comes straight away from an
-obstacle; with one dead wheel it turns about that wheel, by `way` / axle in the sense of the living one.
+obstacle; with one dead wheel it turns about that wheel, by the way that the living one rolls over the axle.
 """
 
 from __future__ import annotations
 
 from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.looking import look
-from fsm_calib.actions.moving import run_wheels
+from fsm_calib.actions.moving import drive
 from fsm_calib.outcome import Outcome
 from fsm_calib.perception.turning import turn_between
-from fsm_calib.types import WheelCommand
 
 DRIVE_BLOCKED = Outcome(
     "robot_blocked",
@@ -27,9 +26,7 @@ def why_held_up(bench: Bench, blocked: Outcome = DRIVE_BLOCKED) -> Outcome:
     clear turn an obstacle is assumed.
     """
     settings, before = bench.settings.drive, bench.notebook.panorama
-    command = bench.notebook.drive_command or settings.command
-    wheels = WheelCommand(-command, -command * bench.notebook.wheel_ratio)
-    run_wheels(bench, wheels, settings.told_back / settings.expected_speed, settings.settle)
+    drive(bench, settings.told_back / settings.expected_speed, bench.notebook.wheel_ratio, backward=True)
     seen, after = look(bench), bench.notebook.panorama
     if isinstance(seen, Outcome):
         return seen

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import product
 
 import numpy as np
@@ -37,11 +37,11 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
     likely_discs,
 )
 from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, STEP, Pushes, pushes
-from fsm_calib.diagnosis.candidates.scan_slides import slides
+from fsm_calib.diagnosis.candidates.scan_slides import Slides
 from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
 from fsm_calib.diagnosis.fitting.fit import Fit
-from fsm_calib.diagnosis.replay.passage import Passages
+from fsm_calib.diagnosis.replay.passage import Passages, passages_of
 from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.diagnosis.replay.simulator import Simulator, scale_of
 from fsm_calib.diagnosis.replay.situation import Situation
@@ -85,6 +85,11 @@ class Scanner:
     residual: Residual
     worth: float = 0.0
     _found: dict[str, list[Candidate]] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def passages(self) -> list[Passages]:
+        """The parent model in each recording, ready to be rolled out for some seconds."""
+        return passages_of(self.simulators, self.parent.values, self.parent.simulated)
 
     def candidates(self, effect: Effect) -> list[Candidate]:
         """Return the places or times of an effect that promise most; none where it acts anywhere and always."""
@@ -151,7 +156,7 @@ class Scanner:
     def slippery_areas(self, effect: Effect) -> list[Candidate]:
         """Return discs of low friction: there the robot neither starts, stops nor turns as told."""
         centres = place_centres(self.situations, self.size * PITCH, beside=True)
-        found = slides(self.parent, self.residual, centres, effect, self.size)
+        found = Slides(self.parent, self.residual, effect, self.passages, self.size).best(centres)
         return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
     def markers(self, effect: Effect) -> list[Candidate]:
@@ -224,7 +229,7 @@ class Scanner:
 
     def _pushed(self, effect: Effect, one: Pushes, start: float) -> Pushed:
         run, scale, situation = one.run, scale_of(self.simulators[0]), self.situations[one.run]
-        passages = Passages.of(self.simulators[run], self.parent.values[run], self.parent.simulated[run])
+        passages = self.passages[run]
         return Moment(effect, passages, self.residual, situation, run, start, one.length, scale).push()
 
     def tried_places(self, effect: Effect) -> list[Candidate]:

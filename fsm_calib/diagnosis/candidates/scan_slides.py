@@ -17,7 +17,7 @@ from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.scan_areas import Area
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.replay.passage import Passages, passages_of
+from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.shapes.score_tests import Residual, winnings
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
@@ -90,14 +90,3 @@ class Slides:
 def _about(at: FloatArray, pitch: float) -> FloatArray:
     """Return a centre (2,) [m] and its four neighbours at `pitch` [m], (5, 2)."""
     return at + pitch * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-
-
-def slides(
-    parent: Fit, residual: Residual, centres: FloatArray, effect: Effect, size: float = 1.0
-) -> list[tuple[Spot, float]]:
-    """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win as such.
-
-    size : of the robot, as `robot_size` tells it.
-    """
-    passages = passages_of(residual.engine.simulators, parent.values, parent.simulated)
-    return Slides(parent, residual, effect, passages, size).best(centres)

@@ -14,13 +14,10 @@ from fsm_calib.types import FloatArray
 
 def responses(parent: Fit, engine: Engine, candidates: Sequence[Mapping[str, float]]) -> list[FloatArray]:
     """Return what each candidate changes in the increments of each recording, (n, 5, m); full names to values."""
-    return [response(parent, engine, run, candidates) for run in range(len(engine.simulators))]
-
-
-def response(parent: Fit, engine: Engine, run: int, candidates: Sequence[Mapping[str, float]]) -> FloatArray:
-    """Return what each candidate changes in the increments of one recording, (n, 5, m); full names to values."""
-    tried = np.vstack([with_values(parent.values[run][None], changes) for changes in candidates])
-    return np.moveaxis(engine.simulators[run].increments(tried) - parent.simulated[run], 0, 2)
+    return [
+        np.moveaxis(simulator.increments(_rows(values, candidates)) - before, 0, 2)
+        for simulator, values, before in zip(engine.simulators, parent.values, parent.simulated, strict=True)
+    ]
 
 
 def tried_out(parent: Fit, residual: Residual, candidates: Sequence[Mapping[str, float]]) -> FloatArray:
@@ -32,3 +29,8 @@ def tried_out(parent: Fit, residual: Residual, candidates: Sequence[Mapping[str,
         columns = responses(parent, engine, some)
         won.append(winnings(residual, engine.white_columns(residual.whiteners, columns)))
     return np.concatenate(won)
+
+
+def _rows(values: FloatArray, candidates: Sequence[Mapping[str, float]]) -> FloatArray:
+    """Return the parameters (m, p) of each candidate on top of `values` (p,)."""
+    return np.vstack([with_values(values[None], changes) for changes in candidates])

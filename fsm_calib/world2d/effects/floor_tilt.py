@@ -42,9 +42,7 @@ def is_central(numbers: Mapping[str, float]) -> bool:
     return uneven < CENTRAL * abs(0.5 * (curve_x + curve_y))
 
 
-CENTRAL = (
-    0.3  # of the mean curve: no spring is more uneven (springs and bowls are by 0.01 to 0.04, a gutter by 1)
-)
+CENTRAL = 0.3  # of the mean curve: springs and bowls are uneven by 0.01 to 0.04, a gutter by 1
 CURVED = "1 to 2 % of slope over a metre or two towards a drain"
 
 EFFECT = Effect(
