@@ -4,13 +4,19 @@ import dataclasses
 
 import numpy as np
 import pytest
+from diagnosis_robots import recording
 from wild_bags import BagWriter
 
+from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.identify.identify import identify
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict.decide import Judge
 from fsm_calib.recording import CommandTrack, PoseTrack, Recording, read_recording
 from fsm_calib.recording.unknown_commands import lost_before, unknown_spans
 from fsm_calib.recording.writers import write_bag, write_recording
+from fsm_calib.world2d.effects import registry
 
 TIME = np.arange(0.0, 20.0, 0.05)
 GAIN, AXLE = 0.6, 0.1  # m/s at command 1, m
@@ -62,6 +68,12 @@ def test_a_loss_counts_from_the_last_row_even_where_commands_grow_old():
     assert found == pytest.approx(np.array([[2.0, 5.0], [6.5, np.inf]]))
 
 
+def test_a_log_of_many_commands_ends_when_its_longest_pause_is_over():
+    time = np.delete(np.arange(0.0, 12.0, 0.1), 50)
+    found = unknown_spans(CommandTrack(time, time, time))
+    assert found == pytest.approx(np.array([[time[-1] + 0.2, np.inf]]))
+
+
 def turned(seconds: tuple[float, float]) -> Recording:
     """Return a drive whose robot turns for a while, by commands at 10 Hz, with poses by its exact motion."""
     time = np.arange(0.0, 20.0, 0.1)
@@ -100,6 +112,35 @@ def test_motion_by_lost_commands_is_not_scored():
     assert scored[prepared.time > 14.0].all()
 
 
+def begun(motion: float, commands: float) -> Recording:
+    """Return a drive that was logged from 5 s on, at rest until `motion`, its commands from `commands` [s] on."""
+    drive = turned((12.0, 14.0))
+    keep, told = drive.pose.time >= 5.0, drive.command.time >= commands - 1e-9
+    x, y, theta = (
+        np.where(drive.pose.time < motion, np.interp(motion, drive.pose.time, column), column)
+        for column in (drive.pose.x, drive.pose.y, drive.pose.theta)
+    )
+    poses = PoseTrack(TIME[keep], x[keep], y[keep], theta[keep])
+    return dataclasses.replace(drive, command=drive.command.rows(told), pose=poses)
+
+
+def test_a_robot_that_moves_before_its_first_command_is_not_scored_until_the_command_has_settled():
+    prepared = prepare(begun(motion=0.0, commands=7.0))
+    assert not prepared.scored[prepared.time <= 7.5].any()
+    assert prepared.scored[prepared.time > 7.56, 0].all()
+
+
+def test_a_robot_that_moves_when_its_log_begins_is_scored_when_the_command_has_settled():
+    prepared = prepare(begun(motion=0.0, commands=5.0))
+    assert not prepared.scored[prepared.time <= 5.5].any()
+    assert prepared.scored[prepared.time > 5.56, 0].all()
+
+
+def test_a_robot_at_rest_before_its_first_command_is_scored_from_the_start():
+    prepared = prepare(begun(motion=7.0, commands=7.0))
+    assert prepared.scored[1:, 0].all()
+
+
 def test_identify_is_not_misled_by_a_lost_turn():
     known = without_the_turn()
     believed = dataclasses.replace(known, command=dataclasses.replace(known.command, lost=None))
@@ -129,3 +170,14 @@ def test_losses_are_kept_by_every_writer(tmp_path, form):
     else:
         found = read_recording(write_recording(drive, tmp_path / "kept"))
     assert found.command == drive.command
+
+
+def test_a_clean_robot_whose_log_begins_in_mid_drive_is_not_said_to_be_pushed():
+    drive = recording(4)
+    keep, told = drive.pose.time > 9.0, drive.command.time > 9.0
+    begun = dataclasses.replace(drive, pose=drive.pose.rows(keep), command=drive.command.rows(told))
+    assert drive.command.time[told][0] > 9.3  # what it is doing meanwhile nobody knows
+    effects = [registry()[name] for name in ("external_push", "motor_fault", "payload_offset")]
+    engine = Engine((make_simulator(prepare(begun)),))
+    decision = Judge(engine, effects, DEFAULT_GATES, lambda part: None, np.random.default_rng(0)).decide()
+    assert decision.outcome == "match"

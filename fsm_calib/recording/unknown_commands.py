@@ -14,6 +14,7 @@ import numpy as np
 from fsm_calib.recording.channels import CommandTrack, TwistTrack
 from fsm_calib.types import FloatArray
 
+MANY = 100  # rows: a pause longer than all of so many has a chance of one in a hundred
 LEAST_USUAL = 0.5  # share of messages that follow the one before by the usual step: fewer, and it is no count
 
 
@@ -21,7 +22,8 @@ def unknown_spans(track: CommandTrack | TwistTrack) -> FloatArray:
     """Return the times (n, 2) [s] from which and until which commands are not known, in order.
 
     A span begins where the last command before a loss was logged, or `stale_after` it, and ends with the next row
-    (infinity after the last). The time before the first row is not told here.
+    (infinity after the last). Where many commands were logged, none holds for longer than the longest pause between
+    them: the log has ended. The time before the first row is not told here.
     """
     time, after = track.time, np.append(track.time[1:], np.inf)
     lost = np.zeros(len(time), dtype=bool)
@@ -29,6 +31,8 @@ def unknown_spans(track: CommandTrack | TwistTrack) -> FloatArray:
         lost[:-1] = track.lost[1:] > 0.0
     old = after - time > (np.inf if track.stale_after is None else track.stale_after)
     begins = np.where(lost, time, time + (track.stale_after or 0.0))
+    if len(time) >= MANY and not old[-1]:
+        old[-1], begins[-1] = True, time[-1] + np.diff(time).max()
     return np.column_stack([begins, after])[lost | old]
 
 

@@ -11,7 +11,7 @@ from fsm_calib.diagnosis.replay.heading_reckoned import headed_by_wheels
 from fsm_calib.diagnosis.replay.heading_unwrap import unwound
 from fsm_calib.diagnosis.replay.kinematics import dead_reckon
 from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
-from fsm_calib.diagnosis.replay.smoothing import SmoothTrack, lone_spikes, smooth_track
+from fsm_calib.diagnosis.replay.smoothing import SmoothTrack, chord_noise, lone_spikes, smooth_track
 from fsm_calib.diagnosis.replay.wheels import wheels_of
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
@@ -22,6 +22,7 @@ from fsm_calib.types import FloatArray
 FEWEST_FRAMES = 20  # poses: below it not even the base robot can be fitted
 NOMINAL_AXLE = 0.100  # m, Duckiebot DB18 (Duckietown kinematic calibration, default file)
 NOMINAL_RADIUS = 0.0318  # m, the same file
+SURELY_GONE = 6.0  # standard deviations of the poses' noise: no robot at rest seems to go so far
 REST_TIME = 0.6  # s in which disturbances fade after a stop: their memory, and three drive time constants
 
 
@@ -108,7 +109,7 @@ def clean_poses(recording: Recording) -> Poses:
     theta = unwound(recording, time, track.theta[good])
     dropped = int((~good).sum())
     for _ in range(2):  # the second look sees spikes that stood beside another
-        spikes = lone_spikes(time, x) | lone_spikes(time, y) | lone_spikes(time, theta)
+        spikes = lone_spikes(time, x) | lone_spikes(time, y) | lone_spikes(time, theta, turning=True)
         time, x, y, theta = time[~spikes], x[~spikes], y[~spikes], theta[~spikes]
         theta = unwound(recording, time, theta)
         dropped += int(spikes.sum())
@@ -156,6 +157,7 @@ def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prep
     seen[at_pose, 2] = poses.headed
     moving = _moving(track, picked, axle, settings)
     seen[at_encoder, 3:] = _fresh(wheels[at_encoder], moving[at_encoder])[:, None]
+    in_motion = _begins_in_motion(poses, track, float(moving[0]), recording, settings)
     moving = _coming_to_rest(time, moving)
     y = np.zeros((len(time), 5))
     y[at_pose, :3] = _in_frame(reference[at_pose], np.column_stack([poses.x, poses.y, poses.theta]))
@@ -173,7 +175,7 @@ def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prep
         step=_steps(reference, wheels),
         seen=seen,
         y=y,
-        restart=_restarts(time, poses.time, recording, settings),
+        restart=_restarts(time, poses.time, recording, settings, in_motion),
         moving=moving,
         geometry=np.array([axle / 2.0, radius, float(np.median(np.diff(poses.time)))]),
         settings=settings,
@@ -237,7 +239,7 @@ def _fresh(angles: FloatArray, moving: FloatArray) -> np.ndarray:
 
 
 def _restarts(
-    time: FloatArray, pose_time: FloatArray, recording: Recording, settings: Settings
+    time: FloatArray, pose_time: FloatArray, recording: Recording, settings: Settings, in_motion: bool
 ) -> np.ndarray:
     """Mark the events at which the chain of increments is broken: after gaps, and while nobody knows the commands."""
     restart = np.zeros(len(time), dtype=bool)
@@ -249,9 +251,31 @@ def _restarts(
         return restart
     for start, end in unknown_spans(commands):
         restart |= (time > start) & (time <= end + settings.settle_time)
-    if commands.stale_after is not None:
+    if commands.stale_after is not None or in_motion:
         restart |= time <= commands.time[0] + settings.settle_time
     return restart
+
+
+def _begins_in_motion(
+    poses: Poses, track: SmoothTrack, moving: float, recording: Recording, settings: Settings
+) -> bool:
+    """Return whether the robot had commands before the first one that was logged.
+
+    It has gone further by then than its poses' noise tells; where the log begins with a command it is `moving` there,
+    a share in [0, 1].
+    """
+    commands = recording.command or recording.twist
+    if commands is None or not len(commands):
+        return False
+    before = track.time <= commands.time[0]
+    if not np.any(track.time <= commands.time[0] - settings.settle_time):
+        return moving > 0.5
+    half = 0.5 * (recording.robot.axle_length or NOMINAL_AXLE)
+    x, y, theta = (series[before] - series[0] for series in (track.x, track.y, track.theta))
+    noise = np.hypot(chord_noise(poses.time, poses.x), chord_noise(poses.time, poses.y))
+    noise += half * chord_noise(poses.time, poses.theta)
+    least = max(SURELY_GONE * noise, settings.moving_speed * settings.settle_time)
+    return bool(np.max(np.hypot(x, y) + half * np.abs(theta)) > least)
 
 
 def expected(recording: Recording, rates: FloatArray, settings: Settings = DEFAULT_SETTINGS) -> Prepared:

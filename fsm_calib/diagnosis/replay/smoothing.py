@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from fsm_calib.diagnosis.replay.heading_unwrap import FULL_TURN, SHORT_GAP
 from fsm_calib.types import FloatArray
 
 SPIKE_DEVIATIONS = 6.0  # robust standard deviations from the neighbours' chord; 1e-9 for normal noise
@@ -37,22 +38,34 @@ class SmoothTrack:
         return np.column_stack([self.time, self.x, self.y, self.theta])
 
 
-def lone_spikes(time: FloatArray, value: FloatArray) -> np.ndarray:
+def lone_spikes(time: FloatArray, value: FloatArray, *, turning: bool = False) -> np.ndarray:
     """Return a mask, shape (n,), of values that leave the chord of their two neighbours, which agree.
 
-    A step (a marker put down in the wrong place, a push) is kept: it moves two frames, not one.
+    A step (a marker put down in the wrong place, a push) is kept: it moves two frames, not one. turning : values are
+    headings [rad], of which whole turns do not count between neighbours that lie within `SHORT_GAP`: one that is half
+    round and back would otherwise be half of a whole turn.
     """
     spikes = np.zeros(len(value), dtype=bool)
     if len(value) < 5:
         return spikes
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
-    off = np.zeros(len(value))
-    off[1:-1] = value[1:-1] - (value[:-2] + share * (value[2:] - value[:-2]))
+    off, ahead, across = np.zeros(len(value)), value[1:-1] - value[:-2], value[2:] - value[:-2]
+    if turning:
+        quick = time[2:] - time[:-2] < SHORT_GAP
+        across = np.where(quick, _nearest(across), across)
+    off[1:-1] = ahead - share * across
+    if turning:
+        off[1:-1] = np.where(quick, _nearest(off[1:-1]), off[1:-1])
     size = np.abs(off)
     limit = SPIKE_DEVIATIONS * max(1.4826 * float(np.median(size[1:-1])), 1e-9)
     beside = np.maximum(np.roll(size, 1), np.roll(size, -1))
     spikes[1:-1] = (size > limit)[1:-1] & (beside < SPIKE_LONELINESS * size)[1:-1]
     return spikes
+
+
+def _nearest(turn: FloatArray) -> FloatArray:
+    """Return turns [rad] without whole turns, nearest to zero."""
+    return np.asarray(turn - FULL_TURN * np.round(turn / FULL_TURN))
 
 
 def smooth_track(
