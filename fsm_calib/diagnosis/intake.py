@@ -22,6 +22,7 @@ from fsm_calib.diagnosis.rate_stamps import with_stamps
 from fsm_calib.diagnosis.replay.kinematics import body_motion, sensor_motion
 from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE
 from fsm_calib.diagnosis.replay.wheels import wheels_of
+from fsm_calib.diagnosis.sampled_commands import with_changes_placed
 from fsm_calib.diagnosis.sized import identified_facts, sized
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
@@ -64,7 +65,8 @@ def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ())
     train = [with_input(with_poses(sized(r, size), robot)) for r in recordings]
     new = [with_input(with_poses(sized(r, size), robot)) for r in holdouts]
     (train, told), (new, told_new) = with_fine_clocks(train), with_fine_clocks(new)
-    notes += [*told, *told_new]
+    (train, placed), (new, placed_new) = with_changes_placed(train), with_changes_placed(new)
+    notes += [*told, *told_new, *placed, *placed_new]
     train, new, sentence = with_stamps(train, new)
     notes += [sentence] if sentence else []
     if any(r.pose is not None and not r.pose.has_heading for r in train):
