@@ -33,7 +33,13 @@ from fsm_calib.diagnosis.verdict.support import STEADY, STEADY_HERE, RivalGap, S
 from fsm_calib.world2d.parameters import parameter_table
 
 NEVER = 1e9  # evidence that settles a question
-FORMS = {"instead": -100.0, "beside": 0.0, "instead_quantities": ("speed",), "beside_quantities": ("turn",)}
+FORMS = {
+    "jump": -math.inf,
+    "instead": -100.0,
+    "beside": 0.0,
+    "instead_quantities": ("speed",),
+    "beside_quantities": ("turn",),
+}
 
 
 def support(
@@ -42,12 +48,12 @@ def support(
     **forms: object,
 ) -> Support:  # fmt: skip
     """A support of an effect, with the gaps in evidence to its rivals and what un-named forms do."""
-    gaps = tuple(RivalGap(n, Gap(gap, 0.0), None) for n, gap in (rivals or {}).items())  # type: ignore[arg-type]
+    gaps = tuple(RivalGap(n, Gap(gap, 0.0, 60), None) for n, gap in (rivals or {}).items())  # type: ignore[arg-type]
     effect = SimpleNamespace(name=name, hypothesis=SimpleNamespace(elsewhere=elsewhere))
     law = SimpleNamespace(moved=moved)
     said = FORMS | forms
     contest = SimpleNamespace(stand_in=said["instead"], **said)
-    return Support(effect, None, Gap(added, spread), share, gaps, law, contest, others)  # type: ignore[arg-type]
+    return Support(effect, None, Gap(added, spread, 60), share, gaps, law, contest, others)  # type: ignore[arg-type]
 
 
 def odds(probability: float) -> float:
@@ -91,7 +97,7 @@ def test_what_acts_in_one_place_may_be_less_even() -> None:
 
 def test_a_moment_is_uneven_by_what_the_best_other_moment_promises() -> None:
     push = support("external_push", added=100.0, spread=95.0, share=0.1, elsewhere=10.0)
-    assert push.alone == Gap(100.0, 20.0)
+    assert push.alone == Gap(100.0, 20.0, 60)
     assert push.patchy == pytest.approx(0.9 * math.log1p(STEADY_HERE * 0.2))
 
 
@@ -103,7 +109,7 @@ def test_an_event_of_a_hundredth_of_what_others_explain_is_within_what_their_equ
         support(name, added=100.0, spread=3.0, share=0.1, elsewhere=1.5, others=others)
         for others in (1e4, 500.0)
     )
-    assert large.alone == Gap(100.0, pytest.approx(math.hypot(3.0, EXACT * 500.0)))
+    assert large.alone == Gap(100.0, pytest.approx(math.hypot(3.0, EXACT * 500.0)), 60)
     assert belief_of(small).probability < 0.6 < 0.9 < belief_of(large).probability
 
 

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from diagnosis_robots import judged, recording
+from scipy.stats import norm
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
@@ -14,7 +15,7 @@ from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof import gap
 from fsm_calib.diagnosis.proof.form_test import Contest, Remainder, contest
-from fsm_calib.diagnosis.proof.gap import Gap, block_sums, gap_between
+from fsm_calib.diagnosis.proof.gap import LOGISTIC, Gap, block_sums, gap_between
 from fsm_calib.diagnosis.proof.heldout import noise_floor, squared_error
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
 from fsm_calib.diagnosis.replay.prepared import prepare
@@ -34,11 +35,15 @@ def engine_of(*recordings):
     return Engine(tuple(make_simulator(prepare(r)) for r in recordings))
 
 
+def engine_seconds(engine):
+    return sum(int(np.ptp(s.prepared.time)) + 1 for s in engine.simulators)
+
+
 def support(rivals=(), moved=0.0, instead=-100.0, beside=-10.0, added=400.0, stand_in=None):
     effect = Ranked(Hypothesis("floor_tilt", ("slope_x",)), None, added, 0.5 * added)
-    gaps = tuple(RivalGap(name, Gap(evidence, 20.0), None) for name, evidence in rivals)
+    gaps = tuple(RivalGap(name, Gap(evidence, 20.0, 60), None) for name, evidence in rivals)
     forms = Contest(instead, (), beside, (), instead if stand_in is None else stand_in, added)
-    return Support(effect, None, Gap(added, 30.0), 1.0, gaps, OneLaw(moved, ()), forms)
+    return Support(effect, None, Gap(added, 30.0, 60), 1.0, gaps, OneLaw(moved, ()), forms)
 
 
 def fitted(engine, base, name):
@@ -111,7 +116,7 @@ def test_what_stands_in_for_a_name_is_of_the_quantities_that_are_left(tilted):
 @pytest.mark.parametrize(("spread", "believed"), [(300.0, False), (5.0, True)])
 def test_an_event_may_be_what_shows_most_of_any_remainder_unless_it_stands_out(spread, believed):
     push = Ranked(Hypothesis("external_push", ("impulse_x",)), None, 400.0, 200.0)
-    event = replace(support(beside=300.0, instead=-500.0), effect=push, added=Gap(400.0, spread))
+    event = replace(support(beside=300.0, instead=-500.0), effect=push, added=Gap(400.0, spread, 60))
     assert (shape_probability(event) > 0.5) is believed
 
 
@@ -120,8 +125,18 @@ def test_what_cannot_be_asked_says_nothing_against_a_name():
 
 
 def test_an_even_gap_is_even_odds_and_a_wide_spread_tempers():
-    assert Gap(0.0, 5.0).probability == pytest.approx(0.5)
-    assert 0.5 < Gap(20.0, 40.0).probability < Gap(20.0, 5.0).probability
+    assert Gap(0.0, 5.0, 60).probability == pytest.approx(0.5)
+    assert 0.5 < Gap(20.0, 40.0, 60).probability < Gap(20.0, 5.0, 60).probability
+
+
+def test_few_seconds_convince_less_than_many_and_many_as_the_normal_curve_does():
+    few, many = Gap(60.0, 30.0, 4), Gap(60.0, 30.0, 5000)
+    assert 0.9 < few.probability < 0.95 < many.probability
+    assert many.probability == pytest.approx(norm.cdf(60.0 / math.hypot(30.0, LOGISTIC)), abs=1e-4)
+
+
+def test_where_the_seconds_agree_it_does_not_matter_how_few_they_are():
+    assert Gap(10.0, 0.0, 3).probability == pytest.approx(norm.cdf(10.0 / LOGISTIC), abs=1e-6)
 
 
 def test_blocks_add_up_to_the_likelihood(tilted):
@@ -137,7 +152,7 @@ def test_a_gap_is_the_evidence_that_the_ranking_uses(tilted):
 
 def test_a_model_has_no_gap_to_itself(tilted):
     engine, base, _ = tilted
-    assert gap_between(engine, base, base) == Gap(0.0, 0.0)
+    assert gap_between(engine, base, base) == Gap(0.0, 0.0, engine_seconds(engine))
 
 
 def test_the_spread_of_a_gap_is_that_of_a_sum_of_as_many_blocks_that_vary_alike(monkeypatch):

@@ -21,7 +21,7 @@ models may be late by a little, forward and turning.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -29,7 +29,9 @@ import numpy as np
 from fsm_calib.diagnosis.candidates.ranking import evidence_of
 from fsm_calib.diagnosis.candidates.scan_markers import jump_evidence
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.diagnosis.likelihood.robust import log_kernel, robust_weights
+from fsm_calib.diagnosis.likelihood.robust import robust_weights
+from fsm_calib.diagnosis.proof.linear import Linear
+from fsm_calib.diagnosis.proof.pose_jump import jumped
 from fsm_calib.diagnosis.shapes.features import apart_columns
 from fsm_calib.diagnosis.shapes.form_frame import frames_of
 from fsm_calib.diagnosis.shapes.forms import forms
@@ -41,7 +43,6 @@ JUMPS = "the pose's jumps at a place"
 MOST_INSTEAD = 5  # forms that may stand in for an effect
 MOST_BESIDE = 3
 REFIT_STEPS = 8  # of the base robot at the named model's noise
-SWEEPS = 3  # of reweighted least squares
 LATE = 0.5 * LEAST_DELAY  # s, standard deviation of what the base is late by beyond its own lags
 NEW = 0.02  # of a column's length that the columns before it must leave
 
@@ -52,7 +53,8 @@ class Contest:
 
     stand_in : of the forms that are beside it, those alone instead of it; `instead` where nothing is left beside it.
     explained : evidence of the name over the base robot; loose : no exact equation can be had (a place, a moment, a
-    robot that turns velocities into wheel commands by a controller of its own).
+    robot that turns velocities into wheel commands by a controller of its own). jump : of a jump of the measured poses
+    in a moment's place (`pose_jump.py`); -inf for other effects.
     """
 
     instead: float
@@ -62,6 +64,7 @@ class Contest:
     stand_in: float
     explained: float
     loose: bool = False
+    jump: float = -np.inf
 
     def numbers(self) -> dict[str, float]:
         """Return the three evidences by name."""
@@ -79,42 +82,6 @@ class Pool:
         """Return the columns that depend on some quantities."""
         kept = [i for i, quantity in enumerate(self.quantities) if quantity in quantities]
         return Pool(self.columns[:, kept], tuple(self.quantities[i] for i in kept))
-
-
-@dataclass(frozen=True, eq=False)
-class Linear:
-    """A linearised model: residual (N,), columns (N, m), and priors of the first ones: (offset, spread), 0 for none."""
-
-    residual: FloatArray
-    columns: FloatArray
-    offset: FloatArray
-    spread: FloatArray
-    nu: float
-
-    def with_column(self, column: FloatArray) -> Linear:
-        """Return the model with one more free column."""
-        return replace(
-            self,
-            columns=np.column_stack([self.columns, column]),
-            offset=np.append(self.offset, 0.0),
-            spread=np.append(self.spread, 0.0),
-        )
-
-    def solved(self) -> tuple[FloatArray, FloatArray, float]:
-        """Return residual, distance from the priors' centres, and score (log-likelihood up to a constant, priors
-        included) at the best numbers.
-        """
-        scale = np.maximum(np.linalg.norm(self.columns, axis=0), 1e-12)
-        x, has_prior = self.columns / scale, self.spread > 0.0
-        weight = np.where(has_prior, 1.0 / np.where(has_prior, self.spread, 1.0) ** 2, 0.0)
-        numbers = np.zeros(x.shape[1])
-        for _ in range(SWEEPS):
-            weighted = x * robust_weights(self.residual - x @ numbers, self.nu)[:, None]
-            normal = weighted.T @ x + np.diag(weight / scale**2 + 1e-9)
-            numbers = np.linalg.solve(normal, weighted.T @ self.residual - weight * self.offset / scale)
-        left = self.residual - x @ numbers
-        off = self.offset + numbers / scale
-        return left, off, float(log_kernel(left, self.nu) - 0.5 * np.sum(weight * off * off))
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,6 +145,7 @@ def contest(remainder: Remainder, parent: Fit, effects: Sequence[str]) -> Contes
         _in_its_place(bare, same, target, log_n, choice)[0] if same.quantities else instead,
         evidence_of(fit, parent, engine.count),
         loose,
+        jumped(engine, bare, fit, effects) - target,
     )
 
 
@@ -229,7 +197,7 @@ def _climb(model: Linear, pool: Pool, most: int) -> tuple[float, list[tuple[int,
         chosen = _most_promising(model, residual, off, pool)
         if chosen is None:
             break
-        model = model.with_column(pool.columns[:, chosen])
+        model = model.with_columns(pool.columns[:, chosen])
         residual, off, now = model.solved()
         path.append((chosen, now - begun))
     return begun, path

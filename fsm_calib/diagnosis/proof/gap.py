@@ -2,9 +2,11 @@ r"""How sure is a gap in evidence under models that are all somewhat wrong? By i
 
     gap = 2 (log L_a - log L_b) - (k_a - k_b) ln N
     spread^2 = 4 n/(n - 1) sum_j (d_j - mean d)^2          d_j = log L_a - log L_b of block j
-    P(a is nearer to the truth than b) = Phi(gap / sqrt(spread^2 + LOGISTIC^2))
+    P(a is nearer to the truth than b) = F(gap / sqrt(spread^2 + LOGISTIC^2))
 
-log L [1] of the recordings at each model's own noise, k free numbers, N innovations, n blocks. Under right models the
+log L [1] of the recordings at each model's own noise, k free numbers, N innovations, n blocks. F is Student's t: the
+spread itself is known from n blocks alone, LOGISTIC is known (degrees of freedom by Welch & Satterthwaite), so that few
+seconds convince less than many; beyond half a minute F is the normal curve. Under right models the
 spread is about 2 sqrt(gap) and the probability that of the odds exp(gap / 2) (LOGISTIC: the normal curve nearest to
 the logistic one of these odds); under wrong ones the drives' seconds disagree, and the spread says by how much.
 Source: Vuong, Econometrica 57 (1989) 307; Kishino & Hasegawa, J. Mol. Evol. 29 (1989) 170 (RELL).
@@ -15,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtr
+from scipy.special import stdtr
 
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.likelihood.robust import log_density
@@ -28,10 +30,11 @@ LOGISTIC = 3.4  # units of evidence: 2 x 1.7, where a normal curve comes nearest
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """Evidence of one model over another, and how much it varies from second to second."""
+    """Evidence of one model over another, how much it varies from second to second, and of how many that is known."""
 
     evidence: float
     spread: float
+    blocks: int
 
     @property
     def probability(self) -> float:
@@ -40,14 +43,17 @@ class Gap:
 
     def probability_within(self, inexact: float) -> float:
         """Return that probability where equations are inexact by so much evidence."""
-        return float(ndtr(self.evidence / np.hypot(np.hypot(self.spread, LOGISTIC), inexact)))
+        seen, known = self.spread**2, LOGISTIC**2 + inexact**2
+        freedom = max(self.blocks - 1, 1) * ((seen + known) / max(seen, 1e-9)) ** 2
+        return float(stdtr(freedom, self.evidence / np.sqrt(seen + known)))
 
 
 def gap_between(engine: Engine, first: Fit, second: Fit) -> Gap:
     """Return the evidence of one fit over another, both of the same recordings."""
     cost = (len(first.slots) - len(second.slots)) * float(np.log(engine.count))
     evidence = 2.0 * (first.score - second.score) - cost
-    return Gap(evidence, _spread(block_sums(engine, first) - block_sums(engine, second)))
+    differences = block_sums(engine, first) - block_sums(engine, second)
+    return Gap(evidence, _spread(differences), len(differences))
 
 
 def block_sums(engine: Engine, fit: Fit) -> FloatArray:

@@ -15,6 +15,7 @@ from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
 from fsm_calib.diagnosis.candidates.tyre_grip import fit_base_on_floor
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.proof.gap import TOLD_APART
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, adequacy
 from fsm_calib.diagnosis.proof.in_poses import shown_in_poses
 from fsm_calib.diagnosis.replay.simulator import Simulator
@@ -196,6 +197,11 @@ def _complaint(model: Model) -> str:
     belief, support = model.beliefs[0], model.supports[0]
     nearest = " or ".join(belief.among)
     forms = support.forms
+    if any(twin.probability < TOLD_APART for twin in support.twins):
+        other = (
+            "a jump of the measured poses" if forms.jump > -np.inf else "what is no effect of the catalogue"
+        )
+        return f"{nearest} comes nearest, but {other} does as well"
     if support.replaced > 0.0 and forms.instead_quantities:
         return (
             f"{nearest} comes nearest, but a plain dependence on {' and '.join(forms.instead_quantities)} "

@@ -1,6 +1,6 @@
 r"""How sure is a name? It must add something, beat its rivals, and be the law that it says.
 
-    P(name) = P(added > 0) / (1 + sum_r (1 - p_r) / p_r) P(shape)
+    P(name) = P(added > 0) / (1 + sum_r (1 - p_r) / p_r) P(shape)            r: rivals that are beaten, and twins
     log odds of shape = SURE - LEFT log(1 + i left / SCALE) - REPLACED max(replaced, 0) - MOVED max(moved, 0)
                         - PATCHY patchy
 
@@ -33,6 +33,7 @@ MOVED = 4.0  # log odds a share that is another law in each drive
 PATCHY = 1.4  # log odds a unit by which a name among stronger ones has uneven evidence
 
 LARGEST_LOG_ODDS = 30.0
+TINY = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +56,7 @@ def belief_of(support: Support) -> Belief:
     beaten = [(r.name, r.gap.probability_within(inexact)) for r in support.rivals]
     near = [name for name, p in beaten if p < TOLD_APART]
     against = sum((1.0 - p) / p for _, p in beaten if p >= TOLD_APART)
-    against += 1.0 if support.has_twin else 0.0  # one more that is no worse
+    against += sum((1.0 - p) / max(p, TINY) for p in (t.probability_within(inexact) for t in support.twins))
     probability = support.alone.probability * shape_probability(support) / (1.0 + against)
     return Belief(support.effect, probability, (support.name, *near))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
 from fsm_calib.diagnosis.candidates.ranking import Ranked
@@ -64,7 +64,7 @@ class Support:
             return self.added
         elsewhere = 2.0 * self.effect.hypothesis.elsewhere
         spread = elsewhere if elsewhere > 0.0 else self.added.spread
-        return Gap(self.added.evidence, math.hypot(spread, EXACT * self.others))
+        return replace(self.added, spread=math.hypot(spread, EXACT * self.others))
 
     @property
     def left(self) -> float:
@@ -107,8 +107,19 @@ class Support:
         return (1.0 - self.share) * math.log1p(steady * self.alone.spread / max(self.added.evidence, 1.0))
 
     @property
-    def has_twin(self) -> bool:
-        """Whether something that no effect is does the very same (`Closure.has_twin`), in any recording."""
+    def twins(self) -> tuple[Gap, ...]:
+        """What is no effect of the catalogue and could stand in its place: how much evidence it lacks.
+
+        What does the very same with these numbers (`Closure.has_twin`), in any recording, lacks nothing; of a moment
+        a jump of the measured poses is asked.
+        """
+        known = self.added
+        jump = Gap(-self.forms.jump, 0.0, known.blocks)
+        twins = (jump,) if math.isfinite(jump.evidence) else ()
+        return (*twins, Gap(0.0, 0.0, known.blocks)) if self._has_exact_twin else twins
+
+    @property
+    def _has_exact_twin(self) -> bool:
         with_twins = {c.name: c.has_twin for c in registry()[self.name].closures if c.has_twin}
         has_twin = with_twins.get(self.effect.hypothesis.closure) if with_twins else None
         if has_twin is None:

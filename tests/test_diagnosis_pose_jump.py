@@ -1,0 +1,66 @@
+"""A tracker that finds the robot elsewhere is no push, a push is no such jump."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis_robots import recording
+
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict.decide import Judge
+from fsm_calib.world2d.effects import registry
+
+RATE = 30.0  # Hz
+AT = 14.0  # s, of the jump and of the push
+PUSH = {"external_push__impulse_x": 0.7, "external_push__impulse_y": 0.4, "external_push__start": AT}
+
+
+def jumped(seen):
+    """Return a recording whose poses are 8 cm and 3 deg elsewhere after a time."""
+    pose = seen.pose
+    later = pose.time > AT
+    moved = replace(pose, x=pose.x + 0.07 * later, y=pose.y - 0.04 * later, theta=pose.theta + 0.05 * later)
+    return replace(seen, pose=moved)
+
+
+def decided(first):
+    simulators = tuple(make_simulator(prepare(r)) for r in (first, recording(1, rate=RATE)))
+    effects = [registry()[name] for name in ("external_push", "floor_tilt", "payload_offset")]
+    return Judge(
+        Engine(simulators), effects, DEFAULT_GATES, lambda part: None, np.random.default_rng(0)
+    ).decide()
+
+
+@pytest.fixture(scope="module")
+def of_a_jump():
+    return decided(jumped(recording(0, rate=RATE)))
+
+
+@pytest.fixture(scope="module")
+def of_a_push():
+    return decided(recording(0, rate=RATE, **PUSH))
+
+
+def test_poses_that_jump_are_not_called_a_push(of_a_jump):
+    assert of_a_jump.named == ()
+    assert of_a_jump.outcome == "unexplained"
+    assert "a jump of the measured poses does as well" in of_a_jump.reason
+
+
+def test_a_push_keeps_its_name(of_a_push):
+    assert [belief.name for belief in of_a_push.named] == ["external_push"]
+    assert of_a_push.named[0].probability > 0.9
+
+
+def test_a_jump_explains_what_jumped_better_than_a_push_and_a_push_worse(of_a_jump, of_a_push):
+    (jump,), (push,) = of_a_jump.model.supports, of_a_push.model.supports
+    assert jump.forms.jump > 10.0
+    assert push.forms.jump < -50.0
+
+
+def test_only_a_moment_is_held_against_jumps():
+    decision = decided(recording(0, rate=RATE, floor_tilt__slope_x=0.05))
+    assert {s.name: s.forms.jump for s in decision.model.supports} == {"floor_tilt": -np.inf}
