@@ -254,6 +254,21 @@ def test_a_board_that_moved_makes_the_static_answer_give_way_to_the_free_one() -
     assert result.sentence
 
 
+def test_views_of_another_board_that_stands_nearly_alike_are_left_out() -> None:
+    views = [replace(view, source=f"frame {i}") for i, view in enumerate(scanned(0.1, step=3.0))]
+    last = [i for i, view in enumerate(views) if view.board == 1][-3:]
+    raised = [
+        replace(view, corners_image=view.corners_image - np.array([0.0, 1.2])) if i in last else view
+        for i, view in enumerate(views)
+    ]
+    result = calibrate_scan(raised, BOARD, SIZE, settings=QUICK)
+    assert result.is_static
+    left_out = set(range(len(views))) - set(result.calibration.used.tolist())
+    assert left_out >= set(last)
+    assert len(left_out) <= 2 * len(last)  # those beside them on the board were pulled along
+    assert al(result.calibration.camera) < 2.0 * result.calibration.predicted_px
+
+
 def scanned_twice(second: dict[int, int]) -> list[BoardView]:
     """Return the views of two sweeps; in the second one, boards are filed under the numbers of `second`."""
     again = [replace(view, source=f"again, {view.source}") for view in scanned(0.1, 1)]

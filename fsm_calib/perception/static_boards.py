@@ -9,7 +9,7 @@ robot tilted), the noise of the fit grows; then the free answer is kept and the 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,12 +46,15 @@ class StaticSettings:
 
     largest_noise_growth : its noise over the free solve's [1]; normal noise makes it 1.0, a board that moved
     by a millimetre at half a metre makes it 3. fewest_frames : with fewer the frames do not hold the boards
-    together. smallest_share : of the views that must fit their board [1].
+    together. smallest_share : of the views that must fit their board [1]. largest_strain : robust standard
+    deviations by which a view may fit worse than the middle one with the board that it is said to show: with more it
+    shows another, of which lean and height are nearly the same.
     """
 
     largest_noise_growth: float = 1.5
     fewest_frames: int = 5
     smallest_share: float = 0.8
+    largest_strain: float = 6.0
 
 
 DEFAULT_STATIC = StaticSettings()
@@ -118,20 +121,57 @@ def calibrate_static(
     placement, tilt, poses_kept = _placement(free, own, numbers, board)
     keep = np.array([i for i in range(used.size) if i in poses_kept], dtype=int)
     own[keep] = [placement.shown[i] for i in keep]
-    corners = np.stack([_ordered(views[used[i]], placement.flipped[i]) for i in keep])
-    problem, state, anchors = _problem(corners, own[keep], numbers[keep], board, free, placement, tilt)
-    coefficients = _coefficients(free)
-    held, prior = _held(problem, coefficients, anchors), _prior(problem, settings)
-    kept = np.isfinite(free.residuals[keep]).all(axis=2).astype(float)
-    solution = fit(problem, state, held, kept, prior=prior)
-    kept = kept_corners(solution.residual, kept, settings)
-    solution = fit(problem, solution.state, held, kept, prior=prior)
-    bias = np.stack([expected_bias(view, half_windows(view, board), board) for view in corners])
-    found = _result(solution, problem, kept, held, bias, keep, free, limits)
+    ordered = {int(i): _ordered(views[used[i]], placement.flipped[i]) for i in keep}
+    fitted = _fitted(keep, ordered, own, numbers, board, free, placement, tilt, settings)
+    strained = fitted.strain > np.median(fitted.strain) + limits.largest_strain * _spread(fitted.strain)
+    if strained.any():
+        keep = keep[~strained]
+        fitted = _fitted(keep, ordered, own, numbers, board, free, placement, tilt, settings)
+    bias = np.stack(
+        [expected_bias(ordered[int(i)], half_windows(ordered[int(i)], board), board) for i in keep]
+    )
+    found = _result(fitted.solution, fitted.problem, fitted.kept, fitted.held, bias, keep, free, limits)
     if not found.is_static:
         return found
     count = views_per_board([replace(views[used[i]], board=int(own[i])) for i in keep])
     return replace(found, calibration=replace(found.calibration, views_per_board=count))
+
+
+@dataclass(frozen=True, eq=False)
+class _Fitted:
+    """A static fit: solution, problem, corners in use (views, corners), unknowns that were held, each view's strain.
+
+    strain : (views,) its error over its error in the free solve, where it needs no board that stands still [1].
+    """
+
+    solution: Solution[StaticState]
+    problem: StaticBoards
+    kept: FloatArray
+    held: np.ndarray
+    strain: FloatArray
+
+
+def _fitted(
+    keep: np.ndarray, ordered: Mapping[int, FloatArray], own: np.ndarray, numbers: np.ndarray, board: BoardSpec,
+    free: CameraCalibration, placement: Placement, tilt: FloatArray, settings: SolveSettings,
+) -> _Fitted:  # fmt: skip
+    """Fit the views `keep` (of the used ones) whose corners are `ordered`, without the corners that lie far off."""
+    corners = np.stack([ordered[int(i)] for i in keep])
+    problem, state, anchors = _problem(corners, own[keep], numbers[keep], board, free, placement, tilt)
+    held, prior = _held(problem, _coefficients(free), anchors), _prior(problem, settings)
+    kept = np.isfinite(free.residuals[keep]).all(axis=2).astype(float)
+    solution = fit(problem, state, held, kept, prior=prior)
+    kept = kept_corners(solution.residual, kept, settings)
+    solution = fit(problem, solution.state, held, kept, prior=prior)
+    squares = np.sum(solution.residual.reshape(*kept.shape, 2) ** 2, axis=2)
+    error = np.sum(kept * squares, axis=1) / np.maximum(np.sum(kept, axis=1), 1.0)
+    strain = np.sqrt(error / np.nanmean(np.sum(free.residuals[keep] ** 2, axis=2), axis=1))
+    return _Fitted(solution, problem, kept, held, strain)
+
+
+def _spread(values: FloatArray) -> float:
+    """Return a robust standard deviation."""
+    return float(1.4826 * np.median(np.abs(values - np.median(values))))
 
 
 def _placement(
