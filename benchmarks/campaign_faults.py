@@ -57,6 +57,8 @@ def faults(case: Case) -> None:
     name, seed = case.rng.choice(RUNS), case.rng.randrange(ROBOTS)
     spans = spans_of(case.reference(name, seed, pictures=False))
     chosen = [_drawn(case, spans) for _ in range(case.rng.choice((1, 1, 2)))]
+    if len({fault.get("board", -1 - i) for i, fault in enumerate(chosen)}) < len(chosen):
+        chosen.pop()  # a board is taken away once
     light = case.rng.uniform(*case.rng.choice(LIGHTS)) if case.rng.random() < 0.15 else 1.0
     case.choose(scenario=name, seed=seed, faults=chosen, brightness=light)
     changes = {"seed": seed, "faults": chosen, "output": NO_PICTURES}
