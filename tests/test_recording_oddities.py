@@ -147,6 +147,13 @@ def test_a_robot_that_drives_backwards_or_a_little_askew_looks_where_it_drives(o
     assert found(pose=circle(theta=TIME / 3.0 + offset)) == []
 
 
+def test_a_robot_that_pivots_slowly_is_not_said_to_look_elsewhere() -> None:
+    rng, time = np.random.default_rng(6), np.arange(0.0, 10.0, 0.04)
+    noise = rng.normal(0.0, 0.008, (2, len(time)))
+    pivots = PoseTrack(time, 0.004 * time + noise[0], noise[1], 0.25 * time)
+    assert found(pose=pivots) == []
+
+
 def test_few_moves_judge_no_heading() -> None:
     few = slice(0, 30)
     assert found(pose=circle(theta=-TIME / 3.0).rows(few)) == []

@@ -22,6 +22,7 @@ FROZEN_SECONDS = 2.0  # s without any change while another channel shows motion
 MOVING_SHARE = 0.05  # of the largest command: less is standing
 LONGEST_GAP = 0.5  # s; shorter holes are covered by the robot's own motion
 STRANGE_HEADING = 0.5  # resultant of (direction of motion - heading): 1 if the robot drives where it looks
+CLEARLY_MOVED = 5.0  # standard deviations of the poses' noise; its direction is then known to 0.3 rad
 FEWEST_MOVES = 30  # moves needed to judge headings
 DEGREES = 2.0 * np.pi * 1.05  # a wrapped heading beyond it is no radian
 
@@ -89,7 +90,10 @@ def _gaps(recording: Recording) -> list[Finding]:
 
 
 def _moves(pose: PoseTrack) -> tuple[FloatArray, FloatArray]:
-    """Return the direction of motion and the heading [rad] over the clear moves of about half a second."""
+    """Return the direction of motion and the heading [rad] over the clear moves of about half a second.
+
+    A robot that pivots hardly moves its middle: what the poses' noise may have moved has no direction.
+    """
     end = np.searchsorted(pose.time, pose.time + 0.5)
     start = np.flatnonzero(end < len(pose))
     end = end[start]
@@ -99,9 +103,16 @@ def _moves(pose: PoseTrack) -> tuple[FloatArray, FloatArray]:
     way = np.hypot(dx, dy)
     heading = np.unwrap(pose.theta)
     turned = np.abs(heading[end] - heading[start])
-    clear = (way > 0.3 * np.percentile(way, 95)) & (turned < 0.5) & (way > 0.01)
+    noise = np.hypot(_noise(pose.x), _noise(pose.y))
+    clear = (way > 0.3 * np.percentile(way, 95)) & (turned < 0.5) & (way > max(0.01, CLEARLY_MOVED * noise))
     middle = (heading[start] + heading[end]) / 2.0
     return np.arctan2(dy, dx)[clear], middle[clear]
+
+
+def _noise(series: FloatArray) -> float:
+    """Return the white noise of a series, from how far each value lies off the middle of its neighbours."""
+    off = series[1:-1] - 0.5 * (series[:-2] + series[2:])
+    return float(1.4826 * np.median(np.abs(off - np.median(off))) / np.sqrt(1.5)) if len(off) else 0.0
 
 
 def _headings(pose: PoseTrack) -> list[Finding]:
