@@ -7,10 +7,7 @@ clocks, so it is put down to the clocks and told.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from fsm_calib.diagnosis.identify.command import fit_commands
-from fsm_calib.errors import DataError
+from fsm_calib.diagnosis.late_commands import fitted_delay, with_commands_moved
 from fsm_calib.recording.recording import Recording
 
 MOST = 0.2  # s: the reader comes nearer; more is no rest of its search
@@ -25,16 +22,11 @@ def with_fine_clocks(recordings: list[Recording]) -> tuple[list[Recording], list
 
 def _laid(recording: Recording) -> tuple[Recording, str]:
     moved = any(f.kind == "clocks" and f.channel in ("command", "twist") for f in recording.checks)
-    name = "command" if recording.command is not None else "twist"
-    channel = recording.command or recording.twist
-    if not moved or channel is None:
-        return recording, ""
-    try:
-        fit = fit_commands(recording)
-    except DataError:  # too few poses for a fit of its own: the reader's shift stays
-        return recording, ""
-    shift, sd = fit.values["delay"], fit.sd("delay")
+    found = fitted_delay(recording) if moved and recording.commands is not None else None
+    if found is None:
+        return recording, ""  # with too few poses for a fit of its own the reader's shift stays
+    shift, sd = found
     if not (sd < SURE and abs(shift) < MOST):
         return recording, ""
     said = f"{recording.source}: its commands, on another clock, are laid {1e3 * shift:+.0f} ms nearer to the poses"
-    return replace(recording, **{name: replace(channel, time=channel.time + shift)}), said  # type: ignore[arg-type]
+    return with_commands_moved(recording, shift), said

@@ -8,12 +8,9 @@ loop wrote the log stand there when they were given, and stay: its poses are not
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from fsm_calib.diagnosis.identify.command import fit_commands
-from fsm_calib.errors import DataError
+from fsm_calib.diagnosis.late_commands import fitted_delay, with_commands_moved
 from fsm_calib.recording.channels import CommandTrack, TwistTrack
 from fsm_calib.recording.recording import Recording
 
@@ -42,21 +39,17 @@ def row_step(track: CommandTrack | TwistTrack) -> float | None:
 
 
 def _placed(recording: Recording) -> tuple[Recording, str]:
-    name = "command" if recording.command is not None else "twist"
-    track = recording.command or recording.twist
+    track = recording.commands
     step = row_step(track) if track is not None else None
-    if track is None or step is None or recording.pose is None:
+    found = fitted_delay(recording) if step is not None and recording.pose is not None else None
+    if step is None or found is None:
         return recording, ""
-    try:
-        fit = fit_commands(recording)
-    except DataError:  # too few poses for a fit of its own
+    delay, sd = found
+    if not -delay > SURELY_EARLY * sd:
         return recording, ""
-    early, sd = -fit.values["delay"], fit.sd("delay")
-    if not early > SURELY_EARLY * sd:
-        return recording, ""
-    early = min(early, step)
+    early = min(-delay, step)
     said = (
         f"{recording.source}: its commands were sampled every {1e3 * step:.0f} ms; they are laid "
         f"{1e3 * early:.0f} ms earlier, where the poses follow them"
     )
-    return replace(recording, **{name: replace(track, time=track.time - early)}), said  # type: ignore[arg-type]
+    return with_commands_moved(recording, -early), said

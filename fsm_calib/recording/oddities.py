@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, WheelPair
+from fsm_calib.recording.chord_noise import chord_noise
 from fsm_calib.recording.recording import GAP_FACTOR, Finding, Recording
 from fsm_calib.recording.unknown_commands import unknown_spans
 from fsm_calib.types import FloatArray, wrap_angle
@@ -103,16 +104,10 @@ def _moves(pose: PoseTrack) -> tuple[FloatArray, FloatArray]:
     way = np.hypot(dx, dy)
     heading = np.unwrap(pose.theta)
     turned = np.abs(heading[end] - heading[start])
-    noise = np.hypot(_noise(pose.x), _noise(pose.y))
+    noise = np.hypot(chord_noise(pose.x), chord_noise(pose.y))
     clear = (way > 0.3 * np.percentile(way, 95)) & (turned < 0.5) & (way > max(0.01, CLEARLY_MOVED * noise))
     middle = (heading[start] + heading[end]) / 2.0
     return np.arctan2(dy, dx)[clear], middle[clear]
-
-
-def _noise(series: FloatArray) -> float:
-    """Return the white noise of a series, from how far each value lies off the middle of its neighbours."""
-    off = series[1:-1] - 0.5 * (series[:-2] + series[2:])
-    return float(1.4826 * np.median(np.abs(off - np.median(off))) / np.sqrt(1.5)) if len(off) else 0.0
 
 
 def _headings(pose: PoseTrack) -> list[Finding]:
@@ -187,7 +182,7 @@ def _one_sided(name: str, track: WheelPair | None) -> list[Finding]:
 
 def _lost(recording: Recording) -> list[Finding]:
     """Tell of commands that never reached the log, and for how long nobody knows them."""
-    track = recording.command or recording.twist
+    track = recording.commands
     if track is None or track.lost is None or not track.lost.any():
         return []
     missing, rows = int(track.lost.sum()), np.flatnonzero(track.lost)

@@ -111,6 +111,11 @@ class Recording:
         return {name: channel for name, channel in found.items() if channel is not None}
 
     @property
+    def commands(self) -> CommandTrack | TwistTrack | None:
+        """What the robot was told: its wheels, or the whole robot where nothing is logged of them."""
+        return self.command or self.twist
+
+    @property
     def span(self) -> tuple[float, float]:
         """First and last time [s] over all channels; (0, 0) when there is none."""
         times = [channel.time for channel in self.channels.values() if len(channel)]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsm_calib.diagnosis.likelihood.robust import log_kernel, robust_weights
+from fsm_calib.diagnosis.likelihood.robust import SWEEPS, log_kernel, robust_weights
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import body_columns
 from fsm_calib.diagnosis.shapes.score_tests import Residual
@@ -26,7 +26,6 @@ APART = 0.75  # s between the end of a push and the begin of one that is not the
 FADE = 0.1  # s, of the speed error afterwards: a motor's time constant
 SEEN = 2.75  # s after its end in which a push shows
 GAP = 1.0  # s between what is seen of two pushes that share a column
-SWEEPS = 3  # of reweighted least squares
 
 
 @dataclass(frozen=True, eq=False)

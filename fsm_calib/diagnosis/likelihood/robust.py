@@ -20,6 +20,7 @@ from fsm_calib.diagnosis.replay.prepared import Prepared
 from fsm_calib.types import FloatArray
 
 LOG_STEP = 0.04  # finite difference of log noise parameters
+SWEEPS = 3  # of reweighted least squares, where the rest of a model stands still
 PRIOR_SPREAD = 2.0  # log units: a noise level a factor 7 from its start costs half a unit of log-likelihood
 
 

@@ -6,10 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.likelihood.robust import log_kernel, robust_weights
+from fsm_calib.diagnosis.likelihood.robust import SWEEPS, log_kernel, robust_weights
 from fsm_calib.types import FloatArray
-
-SWEEPS = 3  # of reweighted least squares
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,10 +24,7 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 JUMP_NUMBERS = 4  # place, heading, time
-BEFORE, AFTER = (
-    0.2,
-    0.4,
-)  # s from a push's start: what the fit may be off by, and what a motor needs to answer
+BEFORE, AFTER = 0.2, 0.4  # s from a push's start: a fit may be off by it, a motor answers within it
 
 
 def jumped(engine: Engine, bare: Linear, fit: Fit, effects: Sequence[str]) -> float:
@@ -36,22 +33,28 @@ def jumped(engine: Engine, bare: Linear, fit: Fit, effects: Sequence[str]) -> fl
     bare : the model without `effects`, whitened by the fit's noise.
     """
     evidence, whiteners = -np.inf, engine.whiteners(fit.noise)
-    for name in effects:
-        if registry()[name].when != "moment":
+    numbers = 0
+    for run, start in _moments(fit, effects):
+        events = _frames(engine.simulators[run].prepared, start)
+        if not len(events):
             continue
-        count = 0
-        for run in fit.runs_of(name):
-            start = float(fit.values[run, parameter_table().place(f"{name}.start")])
-            tried = [
-                bare.with_columns(engine.white_columns(whiteners, _columns(engine, run, k)))
-                for k in _frames(engine.simulators[run].prepared, start)
-            ]
-            if tried:
-                bare = max(tried, key=lambda model: model.solved()[2])
-                count += 1
-        if count:
-            evidence = 2.0 * bare.solved()[2] - JUMP_NUMBERS * count * float(np.log(engine.count))
+        white = engine.white_columns(whiteners, _columns(engine, run, events))
+        tried = [bare.with_columns(white[:, i : i + 3]) for i in range(0, white.shape[1], 3)]
+        scores = [model.solved()[2] for model in tried]
+        best = int(np.argmax(scores))
+        bare, numbers = tried[best], numbers + JUMP_NUMBERS
+        evidence = 2.0 * scores[best] - numbers * float(np.log(engine.count))
     return evidence
+
+
+def _moments(fit: Fit, effects: Sequence[str]) -> list[tuple[int, float]]:
+    """Return recording and start [s] of every moment that a fit of some effects has."""
+    table, momentary = parameter_table(), [name for name in effects if registry()[name].when == "moment"]
+    return [
+        (run, float(fit.values[run, table.place(f"{name}.start")]))
+        for name in momentary
+        for run in fit.runs_of(name)
+    ]
 
 
 def _frames(prepared: Prepared, start: float) -> np.ndarray:
@@ -60,8 +63,9 @@ def _frames(prepared: Prepared, start: float) -> np.ndarray:
     return np.flatnonzero(near & prepared.scored[:, 2])
 
 
-def _columns(engine: Engine, run: int, event: int) -> list[FloatArray]:
-    """Return increments (n, 5, 3) of all recordings by one unit of each coordinate before an event of one."""
-    columns = [np.zeros((len(s.prepared.time), 5, 3)) for s in engine.simulators]
-    columns[run][event, :3] = np.eye(3)
+def _columns(engine: Engine, run: int, events: np.ndarray) -> list[FloatArray]:
+    """Return increments (n, 5, 3 k) of all recordings by one unit of each coordinate before each of k events of one."""
+    columns = [np.zeros((len(s.prepared.time), 5, 3 * len(events))) for s in engine.simulators]
+    for i, event in enumerate(events):
+        columns[run][event, :3, 3 * i : 3 * i + 3] = np.eye(3)
     return columns

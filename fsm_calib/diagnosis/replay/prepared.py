@@ -11,10 +11,11 @@ from fsm_calib.diagnosis.replay.heading_reckoned import headed_by_wheels
 from fsm_calib.diagnosis.replay.heading_unwrap import unwound
 from fsm_calib.diagnosis.replay.kinematics import dead_reckon
 from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
-from fsm_calib.diagnosis.replay.smoothing import SmoothTrack, chord_noise, lone_spikes, smooth_track
+from fsm_calib.diagnosis.replay.smoothing import SmoothTrack, lone_spikes, smooth_track
 from fsm_calib.diagnosis.replay.wheels import wheels_of
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
+from fsm_calib.recording.chord_noise import chord_noise
 from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.unknown_commands import unknown_spans
 from fsm_calib.types import FloatArray
@@ -246,7 +247,7 @@ def _restarts(
     restart[0] = True
     for end in pose_time[1:][np.diff(pose_time) > settings.longest_gap]:
         restart[np.searchsorted(time, end)] = True
-    commands = recording.command or recording.twist
+    commands = recording.commands
     if commands is None or not len(commands):
         return restart
     for start, end in unknown_spans(commands):
@@ -264,7 +265,7 @@ def _begins_in_motion(
     It has gone further by then than its poses' noise tells; where the log begins with a command it is `moving` there,
     a share in [0, 1].
     """
-    commands = recording.command or recording.twist
+    commands = recording.commands
     if commands is None or not len(commands):
         return False
     before = track.time <= commands.time[0]
@@ -272,8 +273,8 @@ def _begins_in_motion(
         return moving > 0.5
     half = 0.5 * (recording.robot.axle_length or NOMINAL_AXLE)
     x, y, theta = (series[before] - series[0] for series in (track.x, track.y, track.theta))
-    noise = np.hypot(chord_noise(poses.time, poses.x), chord_noise(poses.time, poses.y))
-    noise += half * chord_noise(poses.time, poses.theta)
+    noise = np.hypot(chord_noise(poses.x), chord_noise(poses.y))
+    noise += half * chord_noise(poses.theta)
     least = max(SURELY_GONE * noise, settings.moving_speed * settings.settle_time)
     return bool(np.max(np.hypot(x, y) + half * np.abs(theta)) > least)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from fsm_calib.diagnosis.replay.heading_unwrap import FULL_TURN, SHORT_GAP
+from fsm_calib.recording.chord_noise import chord_noise
 from fsm_calib.types import FloatArray
 
 SPIKE_DEVIATIONS = 6.0  # robust standard deviations from the neighbours' chord; 1e-9 for normal noise
@@ -77,24 +78,15 @@ def smooth_track(
     the acceleration density by maximum likelihood over a short list.
     """
     xs, vx, density = _smooth_best(time, x, at, 1.0)
-    ys, vy = _smooth(time, y, at, density, chord_noise(time, y))
+    ys, vy = _smooth(time, y, at, density, chord_noise(y))
     turned, omega, _ = _smooth_best(time, theta, at, TURN_TO_SPEED**2)
     return SmoothTrack(at, xs, ys, turned, vx, vy, omega)
-
-
-def chord_noise(time: FloatArray, value: FloatArray) -> float:
-    """Return the white noise's standard deviation from the deviations of each value from its neighbours' chord."""
-    middle = value[1:-1] - 0.5 * (value[:-2] + value[2:])
-    if not len(middle):
-        return 1e-3
-    quartile = float(np.quantile(np.abs(middle), 0.25))  # 0.3186 standard deviations; motion only adds
-    return float(max(quartile / 0.3186 / np.sqrt(1.5), 1e-6))
 
 
 def _smooth_best(
     time: FloatArray, value: FloatArray, at: FloatArray, scale: float
 ) -> tuple[FloatArray, FloatArray, float]:
-    noise = chord_noise(time, value)
+    noise = chord_noise(value)
     scores = [_forward(time, value, noise, scale * density)[0] for density in ACCELERATION_DENSITIES]
     density = scale * ACCELERATION_DENSITIES[int(np.argmax(scores))]
     smoothed, rate = _smooth(time, value, at, density, noise)
