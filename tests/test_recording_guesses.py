@@ -61,6 +61,15 @@ def test_a_unit_that_is_off_is_guessed_aloud(slot, factor, columns, unit):
     assert any(f.channel == slot and f"read as {unit}" in f.sentence for f in found.checks)
 
 
+def test_millimetres_are_read_as_such_from_poses_with_much_noise():
+    rng = np.random.default_rng(2)
+    seen = driven()
+    noise = 4.0 * rng.normal(size=(2, len(T)))  # mm: half of the way between two poses
+    pose = PoseTrack(T, 1000.0 * seen.pose.x + noise[0], 1000.0 * seen.pose.y + noise[1], seen.pose.theta)
+    found = looked_at(Recording(pose=pose))
+    assert found.pose.x == pytest.approx(pose.x / 1000.0)
+
+
 def test_headings_in_degrees_that_were_unwrapped_are_read_as_such():
     circle = 0.3 * T
     pose = PoseTrack(T, np.sin(circle), -np.cos(circle), np.degrees(circle))

@@ -136,6 +136,13 @@ def test_a_heading_against_the_path_is_mirrored() -> None:
     assert the_one("mirrored", pose=circle(theta=-TIME / 3.0)).rows > 100
 
 
+def test_a_mirrored_path_is_seen_though_it_is_mostly_straight() -> None:
+    theta = 0.9 * np.clip(np.sin(TIME / 2.0), 0.3, 1.0)
+    x, y = (np.cumsum(0.4 * np.diff(TIME, prepend=0.0) * side(theta)) for side in (np.cos, np.sin))
+    assert found(pose=PoseTrack(TIME, x, y, theta)) == []
+    assert the_one("mirrored", pose=PoseTrack(TIME, x, -y, theta)).rows > 100
+
+
 def test_a_heading_that_ignores_the_path_is_told() -> None:
     theta = np.cumsum(np.tile([0.02, -0.02, 0.021, -0.02], 50))
     one = the_one("heading", pose=circle(theta=theta))

@@ -121,6 +121,13 @@ def test_a_diagnosis_lays_commands_of_another_computer_on_the_poses_to_milliseco
     assert "on another clock" in said
 
 
+def test_a_clock_that_the_reader_laid_a_quarter_second_off_is_laid_right(forms):
+    near = read(forms["two_clocks"])
+    off = dataclasses.replace(near, twist=dataclasses.replace(near.twist, time=near.twist.time - 0.25))
+    (found,), _ = with_fine_clocks([off])
+    assert found.twist.time == pytest.approx(driven(seed=9).twist.time, abs=0.003)
+
+
 def test_commands_on_the_clock_of_the_poses_stay_where_they_are(forms):
     recording = read(forms["epoch_table"])
     assert with_fine_clocks([recording]) == ([recording], [])

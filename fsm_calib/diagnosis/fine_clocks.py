@@ -10,7 +10,7 @@ from __future__ import annotations
 from fsm_calib.diagnosis.late_commands import fitted_delay, with_commands_moved
 from fsm_calib.recording.recording import Recording
 
-MOST = 0.2  # s: the reader comes nearer; more is no rest of its search
+MOST = 0.6  # s: as far as the reader looks about the largest correlation; more is no rest of its search
 SURE = 0.005  # s, largest standard deviation of a shift that is worth its while
 
 

@@ -24,6 +24,7 @@ from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE
 from fsm_calib.diagnosis.replay.wheels import wheels_of
 from fsm_calib.diagnosis.sampled_commands import with_changes_placed
 from fsm_calib.diagnosis.sized import identified_facts, sized
+from fsm_calib.diagnosis.wiring import as_wired
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import Recording
@@ -55,7 +56,7 @@ def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ())
     """
     if not recordings:
         raise DataError("no recording was given")
-    notes: list[str] = []
+    recordings, holdouts, notes = as_wired(recordings, holdouts)
     robot: Identification | None = None
     if any(r.pose is None and r.displacement is not None for r in recordings):
         robot = identify(recordings)

@@ -16,6 +16,7 @@ import numpy as np
 from fsm_calib.errors import InputError
 from fsm_calib.recording.channels import Channel
 from fsm_calib.recording.held_rows import without_held_rows
+from fsm_calib.recording.interpolated_rows import without_interpolated_rows
 from fsm_calib.recording.oddities import findings_of
 from fsm_calib.recording.recording import Finding, Recording
 from fsm_calib.recording.two_clocks import with_one_clock
@@ -56,6 +57,7 @@ def checked(
         changes[name] = channel
         findings += found
     recording = without_held_rows(dataclasses.replace(recording, **changes, checks=tuple(findings)))
+    recording = without_interpolated_rows(recording)
     if stated is not None:
         recording = with_guessed_units(with_one_clock(recording), stated)
     odd = findings_of(recording)

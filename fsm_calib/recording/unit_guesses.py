@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from fsm_calib.recording.channels import Channel, PoseTrack
+from fsm_calib.recording.clear_moves import clear_moves
 from fsm_calib.recording.recording import Finding, Recording
 from fsm_calib.types import FloatArray
 
@@ -154,16 +155,11 @@ def _degrees_of_heading(recording: Recording, stated: Collection[str]) -> Record
     theta = pose.theta[np.isfinite(pose.theta)]
     if len(theta) < FEWEST or float(np.abs(theta).max()) < 2.0 * math.pi * 1.05:
         return recording
-    direction, moves = _directions(pose)
-    if len(moves) < FEWEST:
-        return recording
-    in_radians, in_degrees = (
-        abs(np.exp(2j * (direction - moves * factor)).mean()) for factor in (1.0, DEGREE)
-    )
+    turned = dataclasses.replace(pose, theta=pose.theta * DEGREE)
+    in_radians, in_degrees = (_agreement(*clear_moves(track)) for track in (pose, turned))
     if in_degrees < 0.5 or in_degrees < 1.5 * in_radians:
         return recording
     said = f"headings up to {np.abs(theta).max():.0f} are read as degrees: only so does the robot drive where it looks"
-    turned = dataclasses.replace(pose, theta=pose.theta * DEGREE)
     return _with(dataclasses.replace(recording, pose=turned), Finding("pose", "unit_guess", said))
 
 
@@ -186,21 +182,18 @@ def _millimetres_by_speed(recording: Recording, stated: Collection[str]) -> Reco
         return recording
     step = np.diff(pose.time)
     speed = np.hypot(np.diff(pose.x), np.diff(pose.y)) / np.maximum(step, 1e-9)
-    direction, headings = _directions(pose)
+    direction, headings = clear_moves(pose)
     if not FASTEST < float(np.quantile(speed, 0.8)) < 1e3 * FASTEST or len(headings) < FEWEST:
         return recording
     if float(np.median(step)) < QUICKEST or float(np.ptp(headings)) < TURNED:
         return (
             recording  # a straight line of many poses a second is as likely a position in place of the time
         )
-    if abs(np.exp(2j * (direction - headings)).mean()) < 0.8:
+    if _agreement(direction, headings) < 0.8:
         return recording
     return _scaled(recording, "pose.length", 1e-3, "mm", stated)
 
 
-def _directions(pose: PoseTrack) -> tuple[FloatArray, FloatArray]:
-    """Return the direction of motion [rad] and the logged heading over the clear steps."""
-    dx, dy = np.diff(pose.x), np.diff(pose.y)
-    way = np.hypot(dx, dy)
-    clear = (way > 0.5 * np.nanpercentile(way, 90)) & np.isfinite(pose.theta[1:])
-    return np.arctan2(dy, dx)[clear], pose.theta[1:][clear]
+def _agreement(direction: FloatArray, heading: FloatArray) -> float:
+    """Return how well a robot drives where it looks, forward or backward, from 0 to 1; 0 with too few moves."""
+    return float(abs(np.exp(2j * (direction - heading)).mean())) if len(heading) >= FEWEST else 0.0

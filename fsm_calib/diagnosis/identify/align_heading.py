@@ -10,6 +10,7 @@ alpha is -psi (how the tracked point's heading stands on the robot) and its size
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import nnls
 
 from fsm_calib.diagnosis.replay.wheels import TYPICAL_AXLE, Wheels
 from fsm_calib.errors import DataError
@@ -27,7 +28,7 @@ def linear_guess(
     """Return left sign, right sign, exchanged, scale, axle [m], psi [rad]; raise DataError for a robot at
     rest.
     """
-    left, right, turn, move = _stretches(wheels, pose)
+    left, right, turn, move = moves_of(wheels, pose)
     nominal = wheels.nominal or wheels.size
     if float(np.abs(move).max()) < SHORTEST_PATH:
         raise DataError(
@@ -36,7 +37,7 @@ def linear_guess(
     j = robust_linear(np.stack([-left, right], axis=1), turn)
     exchanged = False
     signs = [1 if j[0] >= 0 else -1, 1 if j[1] >= 0 else -1]
-    alpha = _forward(signs[0] * left + signs[1] * right, turn, move)
+    alpha = forward_of(signs[0] * left + signs[1] * right, turn, move)
     if signs == [-1, -1] and abs(wrap_angle(float(np.angle(alpha)))) > np.pi / 2.0:
         # both turn it the wrong way, yet it drives forward as stated: the columns are exchanged
         signs, exchanged, alpha = [1, 1], True, -alpha
@@ -48,8 +49,8 @@ def linear_guess(
     return signs[0], signs[1], exchanged, float(scale), float(length), -float(np.angle(alpha))
 
 
-def _stretches(wheels: Wheels, pose: PoseTrack) -> tuple[FloatArray, FloatArray, FloatArray, np.ndarray]:
-    """Return travel of both wheels, turn and motion in the middle heading's frame over stretches."""
+def moves_of(wheels: Wheels, pose: PoseTrack) -> tuple[FloatArray, FloatArray, FloatArray, np.ndarray]:
+    """Return q_l, q_r, dtheta [rad] and dz exp(-i theta_m) [m] over stretches; raise DataError with fewer than ten."""
     known = np.isfinite(pose.theta)
     time, heading = pose.time[known], np.unwrap(pose.theta[known])
     z = pose.x[known] + 1j * pose.y[known]
@@ -68,19 +69,20 @@ def _stretches(wheels: Wheels, pose: PoseTrack) -> tuple[FloatArray, FloatArray,
     return left[end] - left[start], right[end] - right[start], heading[end] - heading[start], move
 
 
-def _forward(both: FloatArray, turn: FloatArray, move: np.ndarray) -> complex:
+def forward_of(both: FloatArray, turn: FloatArray, move: np.ndarray) -> complex:
     """Return alpha, its real and imaginary parts fitted one after the other."""
     design = np.stack([both / 2.0, turn], axis=1)
     return complex(robust_linear(design, move.real)[0], robust_linear(design, move.imag)[0])
 
 
-def robust_linear(design: FloatArray, target: FloatArray) -> FloatArray:
-    """Least absolute deviations, roughly: least squares re-weighted by 1 / |residual|."""
+def robust_linear(design: FloatArray, target: FloatArray, positive: bool = False) -> FloatArray:
+    """Least absolute deviations, roughly: least squares re-weighted by 1 / |residual|; `positive`: none below 0."""
     weight = np.ones(len(target))
     solution: FloatArray = np.zeros(design.shape[1])
     for _ in range(ROUNDS):
         root = np.sqrt(weight)
-        solution = np.linalg.lstsq(design * root[:, None], target * root, rcond=None)[0].astype(np.float64)
+        a, b = design * root[:, None], target * root
+        solution = nnls(a, b)[0] if positive else np.linalg.lstsq(a, b, rcond=None)[0].astype(np.float64)
         residual = np.abs(target - design @ solution)
         weight = 1.0 / np.maximum(residual, max(float(np.median(residual)), 1e-9))
     return solution

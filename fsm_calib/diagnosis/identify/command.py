@@ -27,6 +27,7 @@ from fsm_calib.types import FloatArray
 
 LONGEST_STEP = 0.1  # s: short beside the time constants, so that arcs and noise integrals hold
 TYPICAL_SPEED = 0.6  # m/s at command 1 (Duckiebot DB18, duckietown-world pwm_dynamics)
+TWIST_AXLE = 0.15  # m, of a robot that is told twists and states no axle
 FIRST_TAU = 0.15  # s, first guess of both time constants (DB18: 0.20 and 0.25 s)
 TAU_SPREAD = 1.5  # log units, prior of the time constants: 0.03 to 0.7 s is one standard deviation
 DELAY_SPREAD = (
@@ -135,20 +136,30 @@ def fit_commands(recording: Recording) -> PoseFit:
     facts = recording.robot
     if recording.command is not None:
         track = recording.command
-        speed = (facts.wheel_radius or 0.0) * (facts.max_wheel_rate or 0.0) or TYPICAL_SPEED
-        nominal = speed if track.unit == "normalized" else facts.wheel_radius or 0.03
-        start = align(_travel(track.time, track.left, track.right, pose, nominal), pose, facts.axle_length)
+        start = align(asked_travel(recording, pose), pose, facts.axle_length)
         a, b = start.left_sign * track.left, start.right_sign * track.right
         left, right = (b, a) if start.exchanged else (a, b)
         motion = CommandMotion(track.time, left, right, unknown_spans(track))
         return fit_pose(pose, motion.with_gains(start.scale, start.axle), start)
     if recording.twist is None:
         raise DataError("neither commands nor wheels were recorded")
-    twist, axle = recording.twist, facts.axle_length or 0.15
-    left, right = twist.v - twist.omega * axle / 2.0, twist.v + twist.omega * axle / 2.0
-    start = align(_travel(twist.time, left, right, pose, 1.0), pose, axle)
+    twist, axle = recording.twist, facts.axle_length or TWIST_AXLE
+    start = align(asked_travel(recording, pose), pose, axle)
     asked = TwistMotion(twist.time, twist.v, twist.omega, unknown_spans(twist))
     return fit_pose(pose, asked.with_gains(1.0, axle), start)
+
+
+def asked_travel(recording: Recording, pose: PoseTrack) -> Wheels:
+    """Return how far the wheels would have gone had they obeyed at once; raise DataError without commands."""
+    facts, track, twist = recording.robot, recording.command, recording.twist
+    if track is not None:
+        speed = (facts.wheel_radius or 0.0) * (facts.max_wheel_rate or 0.0) or TYPICAL_SPEED
+        nominal = speed if track.unit == "normalized" else facts.wheel_radius or 0.03
+        return _travel(track.time, track.left, track.right, pose, nominal)
+    if twist is None:
+        raise DataError("neither commands nor wheels were recorded")
+    aside = twist.omega * (facts.axle_length or TWIST_AXLE) / 2.0
+    return _travel(twist.time, twist.v - aside, twist.v + aside, pose, 1.0)
 
 
 def _travel(time: FloatArray, left: FloatArray, right: FloatArray, pose: PoseTrack, nominal: float) -> Wheels:

@@ -39,7 +39,10 @@ def sign_notes(start: Alignment, has_heading: bool, what: str) -> list[str]:
     if start.as_stated:
         return []
     if start.exchanged:
-        return [f"left and right of the {what} are exchanged: only so does the robot turn as measured"]
+        return [
+            f"left and right of the {what} are exchanged: only so does the robot turn as measured "
+            "(poses of a map that is mirrored look the same)"
+        ]
     if (start.left_sign, start.right_sign) == (-1, -1):
         also = (
             ""

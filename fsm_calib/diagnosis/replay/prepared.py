@@ -16,6 +16,7 @@ from fsm_calib.diagnosis.replay.wheels import wheels_of
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.chord_noise import chord_noise
+from fsm_calib.recording.leaps import FEW_JUMPS, fastest_of, leaps
 from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.unknown_commands import unknown_spans
 from fsm_calib.types import FloatArray
@@ -147,7 +148,8 @@ def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prep
     time, where = np.unique(np.concatenate([poses.time, encoder_time]), return_inverse=True)
     at_pose, at_encoder = where[: len(poses.time)], where[len(poses.time) :]
     grid = np.unique(np.concatenate([time, np.arange(time[0], time[-1], 0.02)]))
-    track = smooth_track(poses.time, poses.x, poses.y, poses.theta, grid)
+    leap = _leaps(recording, poses)
+    track = smooth_track(poses.time, poses.x, poses.y, poses.theta, grid, leap)
     picked = np.searchsorted(grid, time)
     reference = np.column_stack([track.x, track.y, track.theta])[picked]
     wheels = np.zeros((len(time), 2))
@@ -176,11 +178,17 @@ def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prep
         step=_steps(reference, wheels),
         seen=seen,
         y=y,
-        restart=_restarts(time, poses.time, recording, settings, in_motion),
+        restart=_restarts(time, poses.time, leap, recording, settings, in_motion),
         moving=moving,
         geometry=np.array([axle / 2.0, radius, float(np.median(np.diff(poses.time)))]),
         settings=settings,
     )
+
+
+def _leaps(recording: Recording, poses: Poses) -> np.ndarray:
+    """Return a mask (n,) of poses that no robot reached from the one before: few, or they are something else."""
+    found = leaps(poses.time, poses.x, poses.y, poses.theta, fastest_of(recording))
+    return found if found.sum() <= FEW_JUMPS * len(found) else np.zeros_like(found)
 
 
 def _in_frame(frame: FloatArray, pose: FloatArray) -> FloatArray:
@@ -240,13 +248,21 @@ def _fresh(angles: FloatArray, moving: FloatArray) -> np.ndarray:
 
 
 def _restarts(
-    time: FloatArray, pose_time: FloatArray, recording: Recording, settings: Settings, in_motion: bool
+    time: FloatArray,
+    pose_time: FloatArray,
+    leap: np.ndarray,
+    recording: Recording,
+    settings: Settings,
+    in_motion: bool,
 ) -> np.ndarray:
-    """Mark the events at which the chain of increments is broken: after gaps, and while nobody knows the commands."""
+    """Mark the events at which the chain of increments is broken.
+
+    That is after gaps and leaps of the poses, and while nobody knows the commands.
+    """
     restart = np.zeros(len(time), dtype=bool)
     restart[0] = True
-    for end in pose_time[1:][np.diff(pose_time) > settings.longest_gap]:
-        restart[np.searchsorted(time, end)] = True
+    broken = leap | (np.diff(pose_time, prepend=pose_time[0]) > settings.longest_gap)
+    restart[np.searchsorted(time, pose_time[broken])] = True
     commands = recording.commands
     if commands is None or not len(commands):
         return restart

@@ -19,6 +19,8 @@ from fsm_calib.types import FloatArray
 SPIKE_DEVIATIONS = 6.0  # robust standard deviations from the neighbours' chord; 1e-9 for normal noise
 SPIKE_LONELINESS = 0.75  # a step moves both of its frames equally (1.0), a lone spike its neighbours by half
 ACCELERATION_DENSITIES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)  # (m/s2)^2 s; tried, the likeliest is taken
+ANYWHERE = 100.0  # m2 or rad2: variance of where a path begins anew
+UNKNOWN_RATE = 1e3  # s: variance of its rate there, over the acceleration density
 TURN_TO_SPEED = 10.0  # 1/m: a small robot's angular accelerations over its linear ones (0.1 m axle)
 
 
@@ -70,50 +72,53 @@ def _nearest(turn: FloatArray) -> FloatArray:
 
 
 def smooth_track(
-    time: FloatArray, x: FloatArray, y: FloatArray, theta: FloatArray, at: FloatArray
+    time: FloatArray, x: FloatArray, y: FloatArray, theta: FloatArray, at: FloatArray, leap: np.ndarray
 ) -> SmoothTrack:
     """Return the likeliest constant-velocity smoothing of a measured path, given at the times `at` [s].
 
-    time [s], x, y [m], theta [rad, unwrapped]: shape (n,). Noise is taken from the differences of neighbours and
-    the acceleration density by maximum likelihood over a short list.
+    time [s], x, y [m], theta [rad, unwrapped]: shape (n,); leap (n,): no robot got there from the pose before, so that
+    the path begins anew. Noise is taken from the differences of neighbours and the acceleration density by maximum
+    likelihood over a short list.
     """
-    xs, vx, density = _smooth_best(time, x, at, 1.0)
-    ys, vy = _smooth(time, y, at, density, chord_noise(y))
-    turned, omega, _ = _smooth_best(time, theta, at, TURN_TO_SPEED**2)
+    xs, vx, density = _smooth_best(time, x, at, leap, 1.0)
+    ys, vy = _smooth(time, y, at, leap, density, chord_noise(y))
+    turned, omega, _ = _smooth_best(time, theta, at, leap, TURN_TO_SPEED**2)
     return SmoothTrack(at, xs, ys, turned, vx, vy, omega)
 
 
 def _smooth_best(
-    time: FloatArray, value: FloatArray, at: FloatArray, scale: float
+    time: FloatArray, value: FloatArray, at: FloatArray, leap: np.ndarray, scale: float
 ) -> tuple[FloatArray, FloatArray, float]:
     noise = chord_noise(value)
-    scores = [_forward(time, value, noise, scale * density)[0] for density in ACCELERATION_DENSITIES]
+    scores = [_forward(time, value, leap, noise, scale * density)[0] for density in ACCELERATION_DENSITIES]
     density = scale * ACCELERATION_DENSITIES[int(np.argmax(scores))]
-    smoothed, rate = _smooth(time, value, at, density, noise)
+    smoothed, rate = _smooth(time, value, at, leap, density, noise)
     return smoothed, rate, density
 
 
 def _smooth(
-    time: FloatArray, value: FloatArray, at: FloatArray, density: float, noise: float
+    time: FloatArray, value: FloatArray, at: FloatArray, leap: np.ndarray, density: float, noise: float
 ) -> tuple[FloatArray, FloatArray]:
     """Smooth at the union of both time sets, then pick `at`."""
     every, where = np.unique(np.concatenate([time, at]), return_inverse=True)
     seen = np.full(len(every), np.nan)
     seen[where[: len(time)]] = value
-    smoothed, rate = _rts(every, seen, noise, density)
+    anew = np.zeros(len(every), dtype=bool)
+    anew[where[: len(time)]] = leap
+    smoothed, rate = _rts(every, seen, anew, noise, density)
     chosen = where[len(time) :]
     return smoothed[chosen], rate[chosen]
 
 
 @njit(cache=True)
-def _forward(time, value, noise, density):  # type: ignore[no-untyped-def]
+def _forward(time, value, leap, noise, density):  # type: ignore[no-untyped-def]
     """Kalman filter of (value, rate); returns log-likelihood, filtered means and covariances (p00, p01, p11)."""
     n = len(time)
     mean, cov = np.empty((n, 2)), np.empty((n, 3))
     first = 0
     while first < n - 1 and np.isnan(value[first]):
         first += 1
-    m0, m1, p00, p01, p11 = value[first], 0.0, noise**2 * 100.0, 0.0, 1e3 * density
+    m0, m1, p00, p01, p11 = value[first], 0.0, noise**2 * 100.0, 0.0, UNKNOWN_RATE * density
     score = 0.0
     for k in range(n):
         if k > 0:
@@ -122,6 +127,9 @@ def _forward(time, value, noise, density):  # type: ignore[no-untyped-def]
             p00 += dt * (2 * p01 + dt * p11) + density * dt**3 / 3
             p01 += dt * p11 + density * dt**2 / 2
             p11 += density * dt
+            if leap[k]:
+                p00 += ANYWHERE
+                p11 += UNKNOWN_RATE * density
         if not np.isnan(value[k]):
             s, e = p00 + noise**2, value[k] - m0
             weight = 1.0 / (1.0 + (e * e / s) / 25.0)  # soft: a missed outlier pulls little
@@ -136,9 +144,9 @@ def _forward(time, value, noise, density):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _rts(time, value, noise, density):  # type: ignore[no-untyped-def]
+def _rts(time, value, leap, noise, density):  # type: ignore[no-untyped-def]
     """Backward pass of the smoother over the filtered states."""
-    _, mean, cov = _forward(time, value, noise, density)
+    _, mean, cov = _forward(time, value, leap, noise, density)
     smooth = mean.copy()
     for k in range(len(time) - 2, -1, -1):
         dt = time[k + 1] - time[k]
@@ -146,6 +154,9 @@ def _rts(time, value, noise, density):  # type: ignore[no-untyped-def]
         q00 = p00 + dt * (2 * p01 + dt * p11) + density * dt**3 / 3
         q01 = p01 + dt * p11 + density * dt**2 / 2
         q11 = p11 + density * dt
+        if leap[k + 1]:
+            q00 += ANYWHERE
+            q11 += UNKNOWN_RATE * density
         det = max(q00 * q11 - q01 * q01, 1e-300)
         a0, a1 = p00 + dt * p01, p01 + dt * p11  # P F' columns: (p00 + dt p01, p01), (p01 + dt p11, p11)
         d0 = smooth[k + 1, 0] - (mean[k, 0] + dt * mean[k, 1])
