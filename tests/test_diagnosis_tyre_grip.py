@@ -4,7 +4,7 @@ import diagnosis_robots
 import pytest
 from diagnosis_robots import judged, recording, with_encoders
 
-from fsm_calib.diagnosis.candidates.tyre_grip import fit_base_on_floor
+from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
@@ -37,7 +37,7 @@ def grip_of(places=(), **changes):
 def number_of(name, recordings, places=()):
     """Return a number of the base robot and its standard deviation; None where it was held."""
     engine = Engine(tuple(make_simulator(prepare(r)) for r in recordings))
-    fit = fit_base_on_floor(engine, [registry()[name] for name in places])
+    fit = fit_whole_base(engine, [registry()[name] for name in places])
     place = parameter_table().place(name)
     found = [(value, variance**0.5) for slot, value, variance in fit.numbers() if slot.place == place]
     return found[0] if found else None

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
+from fsm_calib.diagnosis.candidates.charge import charges_told
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.intake import take_in
@@ -85,7 +86,12 @@ def diagnose(
     told = told_by(decision, without, gates)
     verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
     verdict = replace(verdict, drives=told)
-    notes = (*taken.notes, *at_bounds(decision.base), *untold_mass(verdict.effects, simulators))
+    notes = (
+        *taken.notes,
+        *at_bounds(decision.base),
+        *charges_told(decision.model.fit),
+        *untold_mass(verdict.effects, simulators),
+    )
     return Diagnosis(verdict, decision, train, holdout, new, notes)
 
 

@@ -8,6 +8,7 @@ import yaml
 
 from fsm_calib.diagnosis.diagnose import Diagnosis
 from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -52,7 +53,7 @@ def world_text(diagnosis: Diagnosis) -> str:
 def _base_of(fit: Fit) -> dict[str, float]:
     """Return what the fit found of the base robot beside its gains."""
     table = parameter_table()
-    places = [slot.place for slot in fit.slots if not table.owner[slot.place]]
+    places = [slot.place for slot in fit.slots if not table.owner[slot.place] and slot.run == ALL_RUNS]
     return {table.names[i]: _rounded(fit.values[0, i]) for i in places if table.names[i] not in GAINS}
 
 

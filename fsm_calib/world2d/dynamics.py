@@ -92,7 +92,7 @@ from fsm_calib.world2d.slots import (
 from fsm_calib.world2d.tyres import meet_ground, settle, turn_wheel
 
 GAIN, AXLE, TAU_FORWARD, TAU_TURN, WHEEL_RADIUS, BODY_MASS = 0, 2, 3, 4, 5, 7
-FRICTION, TYRE_SLIP, CASTER_SHARE, WHEEL_INERTIA, TYRE_RATIO = 8, 9, 10, 11, 12
+FRICTION, TYRE_SLIP, CASTER_SHARE, WHEEL_INERTIA, TYRE_RATIO, CHARGE = 8, 9, 10, 11, 12, 13
 """Places of the base parameters in the parameter vector P (`parameters.BASE` names them in this order)."""
 
 LEAST_RATIO = 0.1
@@ -142,7 +142,7 @@ def begin_step(P, W):
     """
     drive = W[BASE_DRIVE]
     for side in range(2):
-        W[TARGET + side] = P[GAIN + side] * W[COMMAND + side]
+        W[TARGET + side] = P[CHARGE] * P[GAIN + side] * W[COMMAND + side]
         W[DRIVE + side] = drive
         W[DRY + side] = 0.0
         W[ENGAGED + side] = 1.0

@@ -25,6 +25,7 @@ ROTOR = "a rotor of 1.2e-7 kg m2 behind 48:1 gears; a third of a Duckiebot's ine
 SLIP_RATIO = (
     "0.03 to 0.1 on car tyres, more on soft rubber (Pacejka 2012, section 1.2.1); contacts of simulators: 0"
 )
+CELLS = "two lithium cells: 8.4 V full, 7.4 V nominal, 6.6 V empty; no-load speeds are in proportion to the voltage"
 ASSUMED = "assumed; no published measurement was found"
 
 BASE: tuple[Parameter, ...] = (
@@ -91,6 +92,7 @@ BASE: tuple[Parameter, ...] = (
     Parameter("caster_share", "c", "1", 0.0, 0.0, 0.6, 0.1, f"weight on the caster, {ASSUMED}", fitted=False),
     Parameter("wheel_inertia", "J", "kg m2", 2.8e-4, 0.0, 10.0, 2.8e-4, ROTOR, fitted=False),
     Parameter("slip_ratio", "kappa", "1", 0.0, 0.0, 2.0, 0.1, SLIP_RATIO, step=2e-3, prior=0.2, fitted=False),
+    Parameter("charge", "c", "1", 1.0, 0.3, 3.0, 0.93, CELLS, step=1e-3, prior=0.1, fitted=False),
 )
 """The base robot, in the order of `dynamics`' places."""
 

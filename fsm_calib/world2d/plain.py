@@ -12,7 +12,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.arithmetic import ARITHMETIC
-from fsm_calib.world2d.dynamics import FRICTION, GAIN, TYRE_RATIO, TYRE_SLIP, small_rotation
+from fsm_calib.world2d.dynamics import CHARGE, FRICTION, GAIN, TYRE_RATIO, TYRE_SLIP, small_rotation
 from fsm_calib.world2d.slots import (
     ANGLE,
     BASE_DRIVE,
@@ -68,7 +68,8 @@ def glide(P, W, S, late, times, level_l, total_l, level_r, total_r, samples, lim
     """Drive a plain robot from the state S through the sample times [s]; `loop.run` explains the arguments."""
     m, inertia, half, rotating, base = W[MASS], W[INERTIA], W[HALF_AXLE], W[ROTATING], W[BASE_DRIVE]
     grip_l, grip_r = P[FRICTION] * W[LOAD], P[FRICTION] * W[LOAD + 1]
-    gain_l, gain_r, least2 = P[GAIN], P[GAIN + 1], P[TYRE_SLIP] * P[TYRE_SLIP]
+    gain_l, gain_r = P[CHARGE] * P[GAIN], P[CHARGE] * P[GAIN + 1]
+    least2 = P[TYRE_SLIP] * P[TYRE_SLIP]
     ratio2 = P[TYRE_RATIO] * P[TYRE_RATIO]
     radius_l, radius_r, lag = W[RADIUS], W[RADIUS + 1], 1.0 / DAMPED_MIDDLE
     x, y, theta, v, l, omega = S[X], S[Y], S[THETA], S[V], S[L], S[OMEGA]

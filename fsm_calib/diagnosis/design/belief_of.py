@@ -27,7 +27,7 @@ from fsm_calib.diagnosis.design.odds import DETECT, log_odds, room_of
 from fsm_calib.diagnosis.design.unseen import ANY_PHASE, unseen
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Fit
-from fsm_calib.diagnosis.fitting.slot import Slot
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
@@ -65,7 +65,7 @@ def belief_of(decision: Decision, most: int = MOST) -> Belief:
     frames = float(np.median([s.prepared.geometry[2] for s in decision.engine.simulators]))
     return Belief(
         hypotheses=tuple(replace(h, probability=h.probability / total) for h in hypotheses),
-        base=len(base.slots),
+        base=len(lasting_slots(base)),
         plain=base.values[0],
         noise=decision.model.fit.noise,
         robot=simulator.prepared.recording.robot,
@@ -161,8 +161,15 @@ def _steps(slots: Sequence[Slot]) -> FloatArray:
 
 
 def _nothing(base: Fit) -> Hypothesis:
-    places = tuple(s.place for s in base.slots)
-    return Hypothesis((), 1.0, base.values[0], places, _spread(base, base.slots, ()), _steps(base.slots))
+    slots = lasting_slots(base)
+    places = tuple(s.place for s in slots)
+    return Hypothesis((), 1.0, base.values[0], places, _spread(base, slots, ()), _steps(slots))
+
+
+def lasting_slots(base: Fit) -> tuple[Slot, ...]:
+    """Return the numbers of the base robot that a new drive has as well: a battery's charge is of one drive."""
+    owner = parameter_table().owner
+    return tuple(s for s in base.slots if s.run == ALL_RUNS or owner[s.place])
 
 
 def _something(decision: Decision, lasting: Sequence[Effect]) -> list[Weighed]:
@@ -224,7 +231,7 @@ def _fitted(fit: Fit, names: tuple[str, ...], base: Fit) -> Hypothesis:
     for slot in fit.slots[len(base.slots) :]:
         if table.owner[slot.place] not in events:
             first_runs.setdefault(slot.place, slot)
-    slots = (*base.slots, *first_runs.values())
+    slots = (*lasting_slots(base), *first_runs.values())
     return Hypothesis(
         names, 1.0, values, tuple(s.place for s in slots), _spread(fit, slots, names), _steps(slots)
     )
@@ -251,9 +258,10 @@ def _hidden(decision: Decision, effects: Sequence[Effect]) -> Iterator[Weighed]:
     """Yield effects that may still hide, by what the drives say of the sizes that matter."""
     base = decision.base
     for hidden in unseen(decision, [e for e in effects if not e.scan]):
-        slots = (*base.slots, slot_of(hidden.parameter))
+        own = lasting_slots(base)
+        slots = (*own, slot_of(hidden.parameter))
         covariance = np.zeros((len(slots), len(slots)))
-        covariance[:-1, :-1] = _spread(base, base.slots, ())
+        covariance[:-1, :-1] = _spread(base, own, ())
         covariance[-1, -1] = hidden.spread**2
         places = tuple(s.place for s in slots)
         room = room_of(2.0 * hidden.log_ratio, 1)

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.tyre_grip import fit_base_on_floor
+from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import have_encoders
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.form_test import Remainder
@@ -29,15 +29,15 @@ from fsm_calib.world2d.effects import Effect
 OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn; not the wheels
 
 
-def shown_in_poses(simulators: Sequence[Simulator], gates: Gates, places: Sequence[Effect] = ()) -> bool:
+def shown_in_poses(simulators: Sequence[Simulator], gates: Gates, effects: Sequence[Effect] = ()) -> bool:
     """Return whether poses alone differ from a base robot re-fitted to them; True where they cannot be asked alone.
 
-    places : effects of single places, which a smaller grip of the whole floor must not stand in for.
+    effects : what a number of the base robot that is set free must not stand in for.
     """
     if not have_encoders(simulators) or not all(s.prepared.poses.placed for s in simulators):
         return True
     engine = Engine(tuple(without_encoders(s) for s in simulators))
-    base = fit_base_on_floor(engine, places)
+    base = fit_whole_base(engine, effects)
     if Remainder.of(engine, base).beside_of(())[0] > gates.nameless:
         return True
     groups = feature_groups(situations_of(engine.simulators, base.values))

@@ -17,6 +17,7 @@ def on_new_recording(engine: Engine, fit: Fit) -> FloatArray:
     """Return the parameters (1, p) for a recording that took no part in the fit, `engine` of that one alone.
 
     Numbers of the robot are kept. Events did not happen. Phases are found on the new recording, from several starts.
+    What the base robot has of each recording (the battery's charge) is as in the mean.
     """
     table = parameter_table()
     values = fit.values[:1].copy()
@@ -25,7 +26,9 @@ def on_new_recording(engine: Engine, fit: Fit) -> FloatArray:
         if slot.run == ALL_RUNS:
             continue
         entry = table.entries[slot.place]
-        if entry.strength:
+        if not table.owner[slot.place]:
+            values[0, slot.place] = float(np.mean(fit.values[:, slot.place]))
+        elif entry.strength:
             values[0, slot.place] = entry.null
         elif not _belongs_to_event(table.owner[slot.place]) and slot.run == 0:
             own.append(Slot(slot.place, slot.low, slot.high, slot.step, 0))

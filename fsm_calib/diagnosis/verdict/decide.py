@@ -13,7 +13,7 @@ import numpy as np
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
-from fsm_calib.diagnosis.candidates.tyre_grip import fit_base_on_floor
+from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.gap import TOLD_APART
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, adequacy
@@ -79,7 +79,7 @@ class Judge:
         decision = self._answer()
         certain = decision.outcome == "match" or len(decision.named) == len(decision.model.effects) == 1
         with self.part("poses alone"):
-            confirmed = certain or shown_in_poses(self.engine.simulators, self.gates, self._places)
+            confirmed = certain or shown_in_poses(self.engine.simulators, self.gates, self.effects)
         if confirmed:
             return decision
         model = decision.model
@@ -90,15 +90,11 @@ class Judge:
         )
         return replace(decision, outcome="match", reason=reason, model=model, named=())
 
-    @property
-    def _places(self) -> list[Effect]:
-        return [effect for effect in self.effects if effect.scan == "place"]
-
     def _answer(self) -> Decision:
         """Ask everything that was measured."""
         self.progress("base robot")
         with self.part("base"):
-            base = fit_base_on_floor(self.engine, self._places)
+            base = fit_whole_base(self.engine, self.effects)
         with self.part("locate"):
             situations = situations_of(self.engine.simulators, base.values)
             location = locate(self.engine, base, situations, self.rng)

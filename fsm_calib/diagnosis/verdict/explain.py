@@ -84,13 +84,14 @@ def _tail(ranked: Ranked, run: int) -> str:
 
 
 def base_estimates(fit: Fit) -> dict[str, Estimate]:
-    """Return the base robot's fitted numbers."""
+    """Return the base robot's fitted numbers; those of one recording carry its number after the name."""
     table = parameter_table()
     found = {}
     for slot, value, variance in fit.numbers():
         if table.owner[slot.place] == "":
             spread, unit = math.sqrt(max(variance, 0.0)), table.entries[slot.place].unit
-            found[table.names[slot.place]] = Estimate(value, spread, unit)
+            tail = "" if slot.run == ALL_RUNS else f"_{slot.run + 1}"
+            found[table.names[slot.place] + tail] = Estimate(value, spread, unit)
     return found
 
 

@@ -1,0 +1,47 @@
+"""A number of the base robot that is free where the recordings ask for it, and no single effect does its job."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from fsm_calib.diagnosis.candidates.ranking import Bank, evidence_of
+from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
+from fsm_calib.world2d.effects import Effect
+
+STEPS = 8
+NEEDED = (
+    6.0  # evidence: "strong" (Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773); no part is accused by it
+)
+KEPT = 0.5  # of its evidence beside a rival: a spot of grease leaves the grip a fifth, a mat that brakes leaves it all
+
+
+def with_free(engine: Engine, fit: Fit, slots: Sequence[Slot], starts: Sequence[float]) -> Fit:
+    """Return the fit with more numbers free, the best of several starts, and the noise of speeds fitted again."""
+    tried = []
+    for start in starts:
+        values = fit.values.copy()
+        for slot in slots:
+            values[slice(None) if slot.run == ALL_RUNS else slot.run, slot.place] = start
+        tried.append(engine.fit(values, (*fit.slots, *slots), fit.noise, steps=STEPS))
+    best = engine.refit_noise(max(tried, key=lambda t: t.score), SPEED_NOISE, 3)
+    return engine.fit(best.values, best.slots, best.noise, steps=STEPS)
+
+
+def unless_stood_in(engine: Engine, base: Fit, freed: Callable[[Fit], Fit], rivals: Iterable[Effect]) -> Fit:
+    """Return the base with a number free that has strong evidence, also beside the rival that explains more.
+
+    freed : what sets it free on top of a fit; rivals : effects that are asked whether one does as well by itself.
+    """
+    free = freed(base)
+    evidence = evidence_of(free, base, engine.count)
+    if evidence < NEEDED:
+        return base
+    bank = Bank.on(engine, base)
+    tried = [found for found in map(bank.best_of, rivals) if found is not None and found.evidence > evidence]
+    if not tried:
+        return free
+    rival = max(tried, key=lambda found: found.evidence).fit
+    beside = evidence_of(freed(rival), rival, engine.count)
+    return free if beside >= max(NEEDED, KEPT * evidence) else base

@@ -1,0 +1,20 @@
+"""The base robot with all that recordings may ask of it: a battery's charge for each drive, its tyres."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fsm_calib.diagnosis.candidates.charge import with_charges
+from fsm_calib.diagnosis.candidates.tyre_grip import with_tyres
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.world2d.effects import Effect
+
+
+def fit_whole_base(engine: Engine, effects: Sequence[Effect]) -> Fit:
+    """Fit the base robot; `effects` are what may do by itself what a number that is set free does."""
+    base = fit_base(engine)
+    if engine.simulators[0].measured_input:
+        return base
+    charged = with_charges(engine, base, [e for e in effects if e.family == "drift" and not e.scan])
+    return with_tyres(engine, charged, [e for e in effects if e.scan == "place"])

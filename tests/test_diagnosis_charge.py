@@ -1,0 +1,98 @@
+"""A battery that is as full in one drive as it is not in another: motors faster by a factor, and no drift."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from diagnosis_robots import GAIN_LEFT, GAIN_RIGHT, recording
+
+from fsm_calib.diagnosis.candidates.charge import charges_told
+from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
+from fsm_calib.diagnosis.design.belief_of import belief_of
+from fsm_calib.diagnosis.diagnose import diagnose
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.proof.transfer import on_new_recording
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
+
+DRIFTS = ("battery_sag", "motor_warmup")
+CHARGE, GAINS = (
+    parameter_table().place("charge"),
+    [parameter_table().place(f"gain_{s}") for s in ("left", "right")],
+)
+
+
+def charged(seed, share, **changes):
+    """Return a drive of a robot whose battery has this share of its first voltage."""
+    return recording(seed, gain_left=GAIN_LEFT * share, gain_right=GAIN_RIGHT * share, **changes)
+
+
+def based(*recordings, rivals=DRIFTS):
+    engine = Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+    return engine, fit_whole_base(engine, [registry()[name] for name in rivals])
+
+
+def test_a_drive_with_an_emptier_battery_has_a_charge_of_its_own():
+    _, fit = based(charged(0, 1.0), charged(1, 0.93), charged(2, 1.04))
+    found = {s.run: (value, variance**0.5) for s, value, variance in fit.numbers() if s.place == CHARGE}
+    assert found[1][0] == pytest.approx(0.93, abs=4.0 * found[1][1])
+    assert found[2][0] == pytest.approx(1.04, abs=4.0 * found[2][1])
+    assert fit.values[0, GAINS] == pytest.approx([GAIN_LEFT, GAIN_RIGHT], rel=0.01)
+
+
+def test_drives_that_are_alike_share_one_gain():
+    _, fit = based(charged(0, 1.0), charged(1, 1.0))
+    assert CHARGE not in [slot.place for slot in fit.slots]
+
+
+def test_one_drive_alone_has_no_charge():
+    _, fit = based(charged(0, 0.9))
+    assert CHARGE not in [slot.place for slot in fit.slots]
+
+
+def test_a_battery_that_sags_is_no_charge():
+    _, fit = based(*(recording(seed, battery_sag__per_charge=0.006) for seed in (0, 1)))
+    assert CHARGE not in [slot.place for slot in fit.slots]
+
+
+def test_a_charge_stands_for_a_simulation_too():
+    values = parameter_table().null
+    values[CHARGE] = 0.9
+    weaker = parameter_table().null
+    weaker[GAINS] *= 0.9
+    simulator = make_simulator(prepare(recording(0)))
+    full, plain = (simulator.increments(v[None])[0] for v in (values, weaker))
+    assert full == pytest.approx(plain, abs=1e-9)
+
+
+def test_a_recording_that_took_no_part_is_predicted_with_the_mean_charge():
+    _, fit = based(charged(0, 1.0), charged(1, 0.9))
+    alone = Engine((make_simulator(prepare(charged(3, 0.95))),))
+    assert on_new_recording(alone, fit)[0, CHARGE] == pytest.approx(0.95, abs=0.01)
+
+
+def test_a_match_tells_by_how_much_the_drives_differ():
+    found = diagnose([charged(0, 1.0), charged(1, 0.93)])
+    assert found.decision.outcome == "match"
+    assert any("in recording 2 both motors were 7.0 +- " in note and "slower" in note for note in found.notes)
+    assert found.verdict.base["charge_2"].value == pytest.approx(0.93, abs=0.01)
+
+
+def test_a_charge_of_less_than_a_hundredth_is_not_told():
+    numbers = [(SimpleNamespace(place=CHARGE, run=1), 0.993, 1e-8)]
+    assert charges_told(SimpleNamespace(numbers=lambda: numbers)) == []
+
+
+def test_a_dead_zone_is_named_beside_two_charges():
+    found = diagnose(
+        [charged(seed, share, motor_deadband__offset=0.06) for seed, share in ((0, 1.0), (1, 0.93))]
+    )
+    assert [belief.name for belief in found.decision.named] == ["motor_deadband"]
+
+
+def test_the_next_drive_is_designed_for_a_robot_without_a_charge_of_its_own():
+    belief = belief_of(diagnose([charged(0, 1.0), charged(1, 0.93), charged(2, 1.04)]).decision)
+    assert all(len(set(h.places)) == len(h.places) for h in belief.hypotheses)
+    assert np.all(np.isfinite(belief.hypotheses[0].covariance))
