@@ -4,7 +4,8 @@ Nobody logs it, every battery does it: cells of 8.4 V when full have 6.6 V when 
 begins somewhere between. One gain for all drives then leaves each of them off by per cents, and what changes with time
 (a voltage that sags, motors that warm up) takes the blame: a clean robot whose second drive was 3 % slower was said to
 have both, 0.9 sure. So every drive but the first has a factor of its own on both motors where that has strong evidence,
-and keeps it beside the drift that explains more.
+and keeps it beside the effect that explains more: of drives at other speeds each, a dead zone makes one robot faster
+than another, and does the whole job.
 """
 
 from __future__ import annotations
@@ -24,15 +25,15 @@ NAME = "charge"
 TOLD, SURE = 0.01, 3.0  # share of the speed, and standard deviations, from which on a drive's charge is told
 
 
-def with_charges(engine: Engine, base: Fit, drifts: Iterable[Effect]) -> Fit:
+def with_charges(engine: Engine, base: Fit, rivals: Iterable[Effect]) -> Fit:
     """Return the base with a charge for every drive but the first, where these have strong evidence.
 
-    drifts : effects that change with time, which are asked whether one does as well.
+    rivals : effects that are asked whether one does as well.
     """
     slots = [slot_of(NAME, run) for run in range(1, len(engine.simulators))]
     if not slots:
         return base
-    return unless_stood_in(engine, base, lambda fit: with_free(engine, fit, slots, (1.0,)), drifts)
+    return unless_stood_in(engine, base, lambda fit: with_free(engine, fit, slots, (1.0,)), rivals)
 
 
 def charges_told(fit: Fit) -> list[str]:

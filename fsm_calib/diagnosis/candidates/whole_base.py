@@ -16,5 +16,5 @@ def fit_whole_base(engine: Engine, effects: Sequence[Effect]) -> Fit:
     base = fit_base(engine)
     if engine.simulators[0].measured_input:
         return base
-    charged = with_charges(engine, base, [e for e in effects if e.family == "drift" and not e.scan])
+    charged = with_charges(engine, base, [e for e in effects if not e.scan])
     return with_tyres(engine, charged, [e for e in effects if e.scan == "place"])
