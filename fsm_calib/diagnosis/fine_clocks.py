@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from fsm_calib.diagnosis.late_commands import fitted_delay, with_commands_moved
 from fsm_calib.recording.recording import Recording
+from fsm_calib.recording.two_clocks import NEAR
 
-MOST = 0.6  # s: as far as the reader looks about the largest correlation; more is no rest of its search
 SURE = 0.005  # s, largest standard deviation of a shift that is worth its while
 
 
@@ -26,7 +26,7 @@ def _laid(recording: Recording) -> tuple[Recording, str]:
     if found is None:
         return recording, ""  # with too few poses for a fit of its own the reader's shift stays
     shift, sd = found
-    if not (sd < SURE and abs(shift) < MOST):
+    if not (sd < SURE and abs(shift) < NEAR):
         return recording, ""
     said = f"{recording.source}: its commands, on another clock, are laid {1e3 * shift:+.0f} ms nearer to the poses"
     return with_commands_moved(recording, shift), said

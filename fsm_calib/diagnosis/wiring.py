@@ -12,7 +12,6 @@ the sensor stands on the robot. Symbols as in `identify.align_heading`.
 
 from __future__ import annotations
 
-import cmath
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -20,7 +19,13 @@ from typing import Any
 import numpy as np
 
 from fsm_calib.diagnosis.identify.align import Alignment
-from fsm_calib.diagnosis.identify.align_heading import forward_of, moves_of, robust_linear
+from fsm_calib.diagnosis.identify.align_heading import (
+    are_exchanged,
+    complex_linear,
+    forward_of,
+    moves_of,
+    robust_linear,
+)
 from fsm_calib.diagnosis.identify.command import asked_travel
 from fsm_calib.diagnosis.identify.notes import sign_notes
 from fsm_calib.diagnosis.replay.wheels import Wheels, wheels_of
@@ -85,7 +90,7 @@ def _signs(moves: tuple[FloatArray, ...], ways: Sequence[tuple[int, int]]) -> Al
     best = min(rest, key=lambda way: rest[way])
     if rest[best] > EXPLAINED * _size(turn) or rest[1, 1] < CLEARLY * rest[best]:
         best = (1, 1)
-    exchanged = best == (-1, -1) and abs(cmath.phase(forward_of(-left - right, turn, move))) > QUARTER
+    exchanged = are_exchanged(best, forward_of(best[0] * left + best[1] * right, turn, move))
     return Alignment(*((1, 1) if exchanged else best), exchanged, 1.0, 1.0, 0.0, 0.0, 0.0)
 
 
@@ -101,7 +106,7 @@ def _quarters(found: Alignment, moves: tuple[FloatArray, ...]) -> int:
 
 def _fitted(design: FloatArray, move: np.ndarray) -> tuple[np.ndarray, float]:
     """Return complex coefficients of `design` (n, k) for the motion [m], and the size of what is left."""
-    numbers = robust_linear(design, move.real) + 1j * robust_linear(design, move.imag)
+    numbers = complex_linear(design, move)
     return numbers, _size(move - design @ numbers)
 
 
@@ -122,8 +127,8 @@ def _mended(recording: Recording, names: Sequence[str], found: Alignment, quarte
 
 def _changed(track: Any, found: Alignment) -> Any:
     """Return a track of commands or wheels with its signs or sides changed; exchanged wheels turn the other way."""
-    left, right = found.left_sign, found.right_sign
     if isinstance(track, TwistTrack):
-        return replace(track, v=left * track.v, omega=(-1 if found.exchanged else left) * track.omega)
-    sides = (left * track.left, right * track.right)
-    return replace(track, left=sides[found.exchanged], right=sides[not found.exchanged])
+        aside = -1 if found.exchanged else found.left_sign
+        return replace(track, v=found.left_sign * track.v, omega=aside * track.omega)
+    left, right = found.sides(track.left, track.right)
+    return replace(track, left=left, right=right)

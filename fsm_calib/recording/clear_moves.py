@@ -34,3 +34,8 @@ def clear_moves(pose: PoseTrack) -> tuple[FloatArray, FloatArray]:
     clear = far & (way > 0.3 * np.percentile(way, 95)) & (turned < 0.5)
     middle = (heading[start] + heading[end]) / 2.0
     return np.arctan2(dy, dx)[clear], middle[clear]
+
+
+def agreement(direction: FloatArray, heading: FloatArray) -> float:
+    """Return how well a robot drives where it looks, forward or backward: the resultant, from 0 to 1; 0 for no move."""
+    return float(abs(np.exp(2j * (direction - heading)).mean())) if len(heading) else 0.0

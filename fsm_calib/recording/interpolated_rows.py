@@ -78,7 +78,7 @@ def knots_of(pose: PoseTrack) -> PoseTrack | None:
 def _crossing(time: FloatArray, values: FloatArray, digit: FloatArray, i: int, k: int) -> FloatArray:
     """Return time and pose (4,) where the line that ends at row i meets the line that begins at row k."""
     before = (values[i] - values[i - 1]) / (time[i] - time[i - 1])
-    after = (values[min(k + 1, len(time) - 1)] - values[k]) / (time[min(k + 1, len(time) - 1)] - time[k])
+    after = (values[k + 1] - values[k]) / (time[k + 1] - time[k])
     slope = (after - before) / digit
     away = (values[k] + after * (time[i] - time[k]) - values[i]) / digit
     late = float(np.clip(-np.sum(slope * away) / np.sum(slope * slope), 0.0, time[k] - time[i]))

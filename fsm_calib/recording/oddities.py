@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, WheelPair
-from fsm_calib.recording.clear_moves import clear_moves
+from fsm_calib.recording.clear_moves import agreement, clear_moves
 from fsm_calib.recording.leaps import FASTEST_TURN, FEW_JUMPS, fastest_of, leaps
 from fsm_calib.recording.recording import GAP_FACTOR, Finding, Recording
 from fsm_calib.recording.unknown_commands import unknown_spans
@@ -76,8 +76,7 @@ def _headings(pose: PoseTrack) -> list[Finding]:
     direction, heading = clear_moves(pose)
     if len(direction) < FEWEST_MOVES:
         return []
-    agree = abs(np.exp(2j * (direction - heading)).mean())
-    mirror = abs(np.exp(2j * (direction + heading)).mean())
+    agree, mirror = agreement(direction, heading), agreement(direction, -heading)
     mirrored = agree < LOOKS_AHEAD < mirror and 1.0 - mirror < MIRRORED * (1.0 - agree)
     if agree >= STRANGE_HEADING and not mirrored:
         return []

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fsm_calib.recording.channels import Channel, PoseTrack
-from fsm_calib.recording.clear_moves import clear_moves
+from fsm_calib.recording.clear_moves import agreement, clear_moves
 from fsm_calib.recording.recording import Finding, Recording
 from fsm_calib.types import FloatArray
 
@@ -156,7 +156,8 @@ def _degrees_of_heading(recording: Recording, stated: Collection[str]) -> Record
     if len(theta) < FEWEST or float(np.abs(theta).max()) < 2.0 * math.pi * 1.05:
         return recording
     turned = dataclasses.replace(pose, theta=pose.theta * DEGREE)
-    in_radians, in_degrees = (_agreement(*clear_moves(track)) for track in (pose, turned))
+    moves = [clear_moves(track) for track in (pose, turned)]
+    in_radians, in_degrees = (agreement(*m) if len(m[0]) >= FEWEST else 0.0 for m in moves)
     if in_degrees < 0.5 or in_degrees < 1.5 * in_radians:
         return recording
     said = f"headings up to {np.abs(theta).max():.0f} are read as degrees: only so does the robot drive where it looks"
@@ -189,11 +190,6 @@ def _millimetres_by_speed(recording: Recording, stated: Collection[str]) -> Reco
         return (
             recording  # a straight line of many poses a second is as likely a position in place of the time
         )
-    if _agreement(direction, headings) < 0.8:
+    if agreement(direction, headings) < 0.8:
         return recording
     return _scaled(recording, "pose.length", 1e-3, "mm", stated)
-
-
-def _agreement(direction: FloatArray, heading: FloatArray) -> float:
-    """Return how well a robot drives where it looks, forward or backward, from 0 to 1; 0 with too few moves."""
-    return float(abs(np.exp(2j * (direction - heading)).mean())) if len(heading) >= FEWEST else 0.0

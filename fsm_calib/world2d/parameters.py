@@ -92,7 +92,7 @@ BASE: tuple[Parameter, ...] = (
     Parameter("caster_share", "c", "1", 0.0, 0.0, 0.6, 0.1, f"weight on the caster, {ASSUMED}", fitted=False),
     Parameter("wheel_inertia", "J", "kg m2", 2.8e-4, 0.0, 10.0, 2.8e-4, ROTOR, fitted=False),
     Parameter("slip_ratio", "kappa", "1", 0.0, 0.0, 2.0, 0.1, SLIP_RATIO, step=2e-3, prior=0.2, fitted=False),
-    Parameter("charge", "c", "1", 1.0, 0.3, 3.0, 0.93, CELLS, step=1e-3, prior=0.1, fitted=False),
+    Parameter("charge", "c_b", "1", 1.0, 0.3, 3.0, 0.93, CELLS, step=1e-3, prior=0.1, fitted=False),
 )
 """The base robot, in the order of `dynamics`' places."""
 

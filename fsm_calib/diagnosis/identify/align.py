@@ -57,10 +57,13 @@ class Alignment:
 
     def applied(self, wheels: Wheels) -> Wheels:
         """Return the wheels with these signs and sides."""
-        left, right = self.left_sign * wheels.left, self.right_sign * wheels.right
-        if self.exchanged:
-            left, right = right, left
+        left, right = self.sides(wheels.left, wheels.right)
         return dataclasses.replace(wheels, left=left, right=right)
+
+    def sides(self, left: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return what stands in the left and the right column with these signs and sides."""
+        left, right = self.left_sign * left, self.right_sign * right
+        return (right, left) if self.exchanged else (left, right)
 
 
 def align(wheels: Wheels, pose: PoseTrack, axle: float | None) -> Alignment:

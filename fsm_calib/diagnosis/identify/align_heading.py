@@ -9,13 +9,15 @@ alpha is -psi (how the tracked point's heading stands on the robot) and its size
 
 from __future__ import annotations
 
+import cmath
+
 import numpy as np
 from scipy.optimize import nnls
 
 from fsm_calib.diagnosis.replay.wheels import TYPICAL_AXLE, Wheels
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
-from fsm_calib.types import FloatArray, wrap_angle
+from fsm_calib.types import FloatArray
 
 STRETCH = 1.0  # s: long beside time constants and delays, short beside a turn
 SHORTEST_PATH = 0.05  # m: a robot that moved less stood still
@@ -38,8 +40,7 @@ def linear_guess(
     exchanged = False
     signs = [1 if j[0] >= 0 else -1, 1 if j[1] >= 0 else -1]
     alpha = forward_of(signs[0] * left + signs[1] * right, turn, move)
-    if signs == [-1, -1] and abs(wrap_angle(float(np.angle(alpha)))) > np.pi / 2.0:
-        # both turn it the wrong way, yet it drives forward as stated: the columns are exchanged
+    if are_exchanged((signs[0], signs[1]), alpha):
         signs, exchanged, alpha = [1, 1], True, -alpha
     scale = abs(alpha) if 0.05 < abs(alpha) / nominal < 20.0 else nominal
     ratio = float(np.abs(j).mean())
@@ -47,6 +48,11 @@ def linear_guess(
     stated = axle or TYPICAL_AXLE
     length = length if 0.2 < length / stated < 5.0 else stated
     return signs[0], signs[1], exchanged, float(scale), float(length), -float(np.angle(alpha))
+
+
+def are_exchanged(signs: tuple[int, int], alpha: complex) -> bool:
+    """Return whether the columns are: both wheels turn the robot the wrong way, yet it drives forward as stated."""
+    return signs == (-1, -1) and abs(cmath.phase(alpha)) > np.pi / 2.0
 
 
 def moves_of(wheels: Wheels, pose: PoseTrack) -> tuple[FloatArray, FloatArray, FloatArray, np.ndarray]:
@@ -70,9 +76,13 @@ def moves_of(wheels: Wheels, pose: PoseTrack) -> tuple[FloatArray, FloatArray, F
 
 
 def forward_of(both: FloatArray, turn: FloatArray, move: np.ndarray) -> complex:
-    """Return alpha, its real and imaginary parts fitted one after the other."""
-    design = np.stack([both / 2.0, turn], axis=1)
-    return complex(robust_linear(design, move.real)[0], robust_linear(design, move.imag)[0])
+    """Return alpha."""
+    return complex(complex_linear(np.stack([both / 2.0, turn], axis=1), move)[0])
+
+
+def complex_linear(design: FloatArray, move: np.ndarray) -> np.ndarray:
+    """Return complex coefficients of a real design (n, k) for a complex motion (n,), its two parts fitted in turn."""
+    return robust_linear(design, move.real) + 1j * robust_linear(design, move.imag)
 
 
 def robust_linear(design: FloatArray, target: FloatArray, positive: bool = False) -> FloatArray:

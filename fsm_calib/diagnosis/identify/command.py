@@ -137,9 +137,7 @@ def fit_commands(recording: Recording) -> PoseFit:
     if recording.command is not None:
         track = recording.command
         start = align(asked_travel(recording, pose), pose, facts.axle_length)
-        a, b = start.left_sign * track.left, start.right_sign * track.right
-        left, right = (b, a) if start.exchanged else (a, b)
-        motion = CommandMotion(track.time, left, right, unknown_spans(track))
+        motion = CommandMotion(track.time, *start.sides(track.left, track.right), unknown_spans(track))
         return fit_pose(pose, motion.with_gains(start.scale, start.axle), start)
     if recording.twist is None:
         raise DataError("neither commands nor wheels were recorded")

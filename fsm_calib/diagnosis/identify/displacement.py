@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsm_calib.diagnosis.identify.align_heading import robust_linear
+from fsm_calib.diagnosis.identify.align_heading import complex_linear, robust_linear
 from fsm_calib.diagnosis.identify.result import Estimate, Identification, unknown
 from fsm_calib.diagnosis.identify.robust_rows import RobustFit, robust_fit
 from fsm_calib.diagnosis.replay.kinematics import body_motion, sensor_motion
@@ -108,8 +108,7 @@ def _start(
     ratio = np.array([abs(j[0]), abs(j[1])]) / max(float(np.abs(j).mean()), 1e-12)
     forward = (np.copysign(ratio[0], j[0]) * left + np.copysign(ratio[1], j[1]) * right) / 2.0
     design = np.stack([forward * np.sinc(turn / (2.0 * np.pi)), 2.0 * np.sin(turn / 2.0)], axis=1)
-    parts = [robust_linear(design, move.real), robust_linear(design, move.imag)]
-    alpha, beta = complex(parts[0][0], parts[1][0]), complex(parts[0][1], parts[1][1])
+    alpha, beta = map(complex, complex_linear(design, move))
     if not with_sensor and alpha.real < 0.0:
         alpha, j = abs(alpha) + 0j, -j
     mean, psi = abs(alpha), -float(np.angle(alpha))
