@@ -15,6 +15,7 @@ import numpy as np
 
 from fsm_calib.errors import InputError
 from fsm_calib.recording.channels import Channel
+from fsm_calib.recording.ended_commands import without_unlogged_commands
 from fsm_calib.recording.held_rows import without_held_rows
 from fsm_calib.recording.interpolated_rows import without_interpolated_rows
 from fsm_calib.recording.oddities import findings_of
@@ -60,6 +61,7 @@ def checked(
     recording = without_interpolated_rows(recording)
     if stated is not None:
         recording = with_guessed_units(with_one_clock(recording), stated)
+    recording = without_unlogged_commands(recording)
     odd = findings_of(recording)
     _refuse_impossible(recording, odd, sources)
     return dataclasses.replace(recording, checks=(*recording.checks, *odd))
