@@ -2,6 +2,7 @@
 
     python3 benchmarks/investigate.py --out out/investigate.jsonl             # about a minute of CPU for each robot
     python3 benchmarks/investigate.py --drawn 20 --seed 1 --out out/drawn.jsonl         # robots drawn from the catalogue
+    python3 benchmarks/investigate.py --drawn 20 --seed 1 --poses camera --arms designed --out out/camera.jsonl
     python3 benchmarks/investigate.py --summary out/investigate.jsonl
 
 Every robot is drawn from the fleet and driven in this project's own world (pymunk, 2 ms steps) under a tracker at
@@ -47,6 +48,9 @@ HIDDEN = (
     "coulomb_friction", "gear_backlash", "battery_sag", "wheel_eccentricity", "caster_drag", "tyre_scrub", "lateral_slip",
     "payload_offset", "floor_tilt", "carpet_nap", "rough_floor_patch", "low_friction_patch", "sensor_offset", "command_delay",
 )  # fmt: skip
+ON_THE_FIELD = {"known": {"camera": True}, "start": {"x": -0.9, "y": 0.0, "theta": 0.5}}
+BY_CAMERA = {"poses": "camera", "centre_x": -0.9, "width": 1.7, "depth": 1.4, "command": 0.4}
+"""Of a robot that places itself by the calibration area's floor markers, as in scenarios/investigate_camera.yaml."""
 PIECE = 12.0
 """Least time of a random or passive drive, where there is room [s]."""
 TRIED = 12
@@ -83,10 +87,11 @@ ARMS = {"designed": design, "random": partial(random_drive, seconds=PIECE), "pas
 SAME = {"command_delay": "delay", "observation_delay": "delay"}
 
 
-def drawn(seed: int, number: int) -> tuple[str, ...]:
-    """Kind and effects of a robot that a seed draws."""
+def drawn(seed: int, number: int, poses: str) -> tuple[str, ...]:
+    """Kind and effects of a robot that a seed draws; one that places itself has no tracker that could sit elsewhere."""
     kind, rng = KINDS[number % len(KINDS)], np.random.default_rng([seed, number])
-    return (kind, *rng.choice(HIDDEN, {"clean": 0, "pair": 2}.get(kind, 1), replace=False).tolist())
+    hidden = [name for name in HIDDEN if poses == "tracker" or name != "sensor_offset"]
+    return (kind, *rng.choice(hidden, {"clean": 0, "pair": 2}.get(kind, 1), replace=False).tolist())
 
 
 def effects(kind: str, names: tuple[str, ...], factor: float) -> dict:
@@ -101,30 +106,37 @@ def effects(kind: str, names: tuple[str, ...], factor: float) -> dict:
     }
 
 
-def robot(number: int, kind: str, names: tuple[str, ...], budget: float, seed: int | None) -> Scenario:
+def robot(
+    number: int, kind: str, names: tuple[str, ...], budget: float, seed: int | None, poses: str
+) -> Scenario:
     factor = 1.0 if seed is None else float(np.random.default_rng([seed, number, 1]).uniform(0.75, 1.25))
     return Scenario.model_validate(
         {
             "name": f"robot-{number}",
             "seed": 1000 + number + 1000 * (seed or 0),
-            "robot": {"effects": effects(kind, names, factor)},
-            "scene": {"boards": {"placed": ({"board": {}, "x": 3.0, "y": 0.0},)}},
-            "investigate": {"budget": budget},
+            "robot": {"effects": effects(kind, names, factor), **(ON_THE_FIELD if poses == "camera" else {})},
+            "scene": {}
+            if poses == "camera"
+            else {"boards": {"placed": ({"board": {}, "x": 3.0, "y": 0.0},)}},
+            "investigate": {"budget": budget, **(BY_CAMERA if poses == "camera" else {})},
         }
     )
 
 
-def one(number: int, arm: str, budget: float, seed: int | None) -> dict:
+def one(number: int, arm: str, budget: float, seed: int | None, poses: str) -> dict:
     began = time.process_time()
-    kind, *names = ROBOTS[number] if seed is None else drawn(seed, number)
+    kind, *names = ROBOTS[number] if seed is None else drawn(seed, number, poses)
     with tempfile.TemporaryDirectory() as folder:
         going, result = investigate(
-            robot(number, kind, tuple(names), budget, seed), Path(folder), designer=ARMS[arm]
+            robot(number, kind, tuple(names), budget, seed, poses), Path(folder), designer=ARMS[arm]
         )
     truth = {SAME.get(name, name) for name in names}
     right = [{SAME.get(n, n) for n in drive_names(d)} == truth for d in result["drives"]]
     trace, area = going.connection.world.truth.trace, going.mind.area
-    out = np.maximum(np.abs(trace[:, 1]) - area.x_high, np.abs(trace[:, 2]) - area.y_high).max()
+    x, y = trace[:, 1], trace[:, 2]
+    out = max(
+        (x - area.x_high).max(), (area.x_low - x).max(), (y - area.y_high).max(), (area.y_low - y).max()
+    )
     settled = next((k for k in range(len(right)) if all(right[k:])), None)
     return {
         "robot": number,
@@ -216,6 +228,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1, help="what draws them")
     parser.add_argument("--first", type=int, default=0, help="number of the first robot")
     parser.add_argument("--arms", nargs="+", default=list(ARMS), choices=list(ARMS))
+    parser.add_argument(
+        "--poses", default="tracker", choices=("tracker", "camera"), help="where the robot's poses come from"
+    )
     parser.add_argument("--summary", type=Path, help="only print the table of this file")
     asked = parser.parse_args()
     if asked.summary is None:
@@ -227,7 +242,7 @@ def main() -> None:
             for number in range(asked.first, asked.drawn or asked.robots):
                 for arm in asked.arms:
                     if (number, arm) not in ended:
-                        file.write(json.dumps(one(number, arm, asked.budget, seed)) + "\n")
+                        file.write(json.dumps(one(number, arm, asked.budget, seed, asked.poses)) + "\n")
                         file.flush()
     path = asked.summary or asked.out
     print(summary([json.loads(line) for line in path.read_text().splitlines()]))

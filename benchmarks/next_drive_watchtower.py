@@ -4,8 +4,8 @@
 
 Its laps alone leave motor_deadband, tyre_scrub and caster_drag open. The next drive is designed from them; then each
 of the three is simulated on it as fitted to the laps, with the laps' estimated noise on speeds (Ornstein-Uhlenbeck)
-and poses; and laps and new drive are diagnosed together, by the three alone. Right: the true name leads, and the next
-is a set's width (8 in evidence) or more behind.
+and poses; and laps and new drive are diagnosed together, by the three alone. Right: the true name leads, and beats the
+next so surely that it would stand without it (`proof/gap.py`).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fsm_calib.diagnosis.design.belief_of import belief_of
 from fsm_calib.diagnosis.design.designer import design, played
 from fsm_calib.diagnosis.design.foresight import drive_of
 from fsm_calib.diagnosis.diagnose import diagnose
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.recording import read_recording
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording
@@ -81,13 +81,14 @@ def main() -> None:
         for draw in range(asked.draws):
             rng = np.random.default_rng([RIVALS.index(name), draw])
             recording = driven(belief, truth.values, plan.holds, rng)
-            ranking = diagnose([*laps, recording], without=others).decision.ranking
-            behind = max((r.evidence for r in ranking if r.name != name), default=0.0)
-            own = max((r.evidence for r in ranking if r.name == name), default=0.0)
-            gaps.append(own - max(behind, 0.0))
-            right += gaps[-1] >= DEFAULT_GATES.rival
-            if gaps[-1] < DEFAULT_GATES.rival:
-                print("   not told apart:", [(r.name, round(r.evidence)) for r in ranking])
+            decision = diagnose([*laps, recording], without=others).decision
+            first, second = decision.ranking[:2]
+            gap = gap_between(decision.engine, first.fit, second.fit)
+            gaps.append(gap.evidence if first.name == name else -gap.evidence)
+            is_right = first.name == name and gap.probability >= TOLD_APART
+            right += is_right
+            if not is_right:
+                print("   not told apart:", [(r.name, round(r.evidence)) for r in decision.ranking])
         total += right
         print(f"{name}: told apart in {right} of {asked.draws} draws, median gap {np.median(gaps):.0f}")
     print(f"in all: {total} of {asked.draws * len(RIVALS)}")
