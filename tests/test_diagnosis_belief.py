@@ -13,23 +13,20 @@ from scipy.stats import norm
 
 from fsm_calib.diagnosis.proof.gap import LOGISTIC, TOLD_APART, Gap
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, EXACT, Adequacy
-from fsm_calib.diagnosis.shapes.locate import SIGNIFICANT
+from fsm_calib.diagnosis.shapes.score_tests import ALPHA, LeftOver
 from fsm_calib.diagnosis.verdict import decide
 from fsm_calib.diagnosis.verdict.decide import Decision, Judge
 from fsm_calib.diagnosis.verdict.model import Model
 from fsm_calib.diagnosis.verdict.posterior import (
+    ANOTHER,
+    DOUBT,
     LARGEST_LOG_ODDS,
-    LEFT,
-    MOVED,
-    PATCHY,
-    REPLACED,
-    SCALE,
     SURE,
     Belief,
     belief_of,
     shape_probability,
 )
-from fsm_calib.diagnosis.verdict.support import STEADY, STEADY_HERE, RivalGap, Support
+from fsm_calib.diagnosis.verdict.support import SLIGHT, RivalGap, Support
 from fsm_calib.world2d.parameters import parameter_table
 
 NEVER = 1e9  # evidence that settles a question
@@ -71,34 +68,29 @@ def test_a_name_that_leaves_nothing_is_as_sure_as_names_are() -> None:
 
 def test_what_forms_explain_beside_a_name_counts_by_how_far_they_could_stand_for_it() -> None:
     left = support(added=100.0, beside=20.0, instead=-50.0)
-    assert odds(shape_probability(left)) == pytest.approx(SURE - LEFT * math.log1p(0.2 * 0.5 / SCALE))
+    assert odds(shape_probability(left)) == pytest.approx(SURE - DOUBT * math.log1p(0.2 * 0.5 / SLIGHT))
 
 
 def test_forms_that_do_better_in_the_name_s_place_count_against_it() -> None:
     replaced = support(added=100.0, beside=0.0, instead=40.0)
-    assert odds(shape_probability(replaced)) == pytest.approx(SURE - REPLACED * 0.4)
+    assert odds(shape_probability(replaced)) == pytest.approx(SURE - ANOTHER * 0.4)
 
 
 def test_a_law_that_is_another_one_in_each_drive_counts_against_it() -> None:
-    assert odds(shape_probability(support(moved=0.3))) == pytest.approx(SURE - MOVED * 0.3)
+    assert odds(shape_probability(support(moved=0.3))) == pytest.approx(SURE - ANOTHER * 0.3)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5])
 def test_uneven_evidence_beside_stronger_effects_counts_against_a_name(share: float) -> None:
     uneven = support(added=100.0, spread=50.0, share=share)
-    patchy = (1.0 - share) * math.log1p(STEADY * 0.5)
-    assert odds(shape_probability(uneven)) == pytest.approx(SURE - PATCHY * patchy)
-
-
-def test_what_acts_in_one_place_may_be_less_even() -> None:
-    uneven = support("low_friction_patch", added=100.0, spread=50.0, share=0.1)
-    assert uneven.patchy == pytest.approx(0.9 * math.log1p(STEADY_HERE * 0.5))
+    patchy = (1.0 - share) * math.log1p(0.5 / SLIGHT)
+    assert odds(shape_probability(uneven)) == pytest.approx(SURE - DOUBT * patchy)
 
 
 def test_a_moment_is_uneven_by_what_the_best_other_moment_promises() -> None:
     push = support("external_push", added=100.0, spread=95.0, share=0.1, elsewhere=10.0)
     assert push.alone == Gap(100.0, 20.0, 60)
-    assert push.patchy == pytest.approx(0.9 * math.log1p(STEADY_HERE * 0.2))
+    assert push.patchy == pytest.approx(0.9 * math.log1p(0.2 / SLIGHT))
 
 
 @pytest.mark.parametrize("name", ["external_push", "motor_fault"])
@@ -267,7 +259,13 @@ def nameless(monkeypatch: pytest.MonkeyPatch, model: Model, p_value: float) -> D
     return judge()._without_name(None, (), SimpleNamespace(p_value=p_value), None)  # type: ignore[arg-type]
 
 
-SURPRISED = Adequacy(DEFAULT_GATES.unexplained_surprise + 0.1, 9.0, 1.0, "turn:time")
+LIMIT = -math.log10(ALPHA)  # of a single test
+
+
+def left_with(surprise: float) -> Model:
+    """A model that leaves one test so surprised."""
+    test = LeftOver(SimpleNamespace(name="turn:time"), surprise, 9.0, np.zeros(1))  # type: ignore[arg-type]
+    return plain_model(adequacy=Adequacy(surprise, 9.0, 1.0, "turn:time"), tests=(test,))
 
 
 def test_nothing_left_is_a_match(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -275,19 +273,16 @@ def test_nothing_left_is_a_match(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_surprise_that_stays_significant_is_unexplained(monkeypatch: pytest.MonkeyPatch) -> None:
-    decision = nameless(monkeypatch, plain_model(adequacy=SURPRISED), 0.5 * SIGNIFICANT)
+    decision = nameless(monkeypatch, left_with(LIMIT + 0.1), 0.5 * ALPHA)
     assert decision.outcome == "unexplained"
     assert "depends on turn:time" in decision.reason
 
 
-@pytest.mark.parametrize(
-    ("surprise", "p_value"), [(SURPRISED.surprise, SIGNIFICANT), (DEFAULT_GATES.unexplained_surprise, 0.0)]
-)
+@pytest.mark.parametrize(("surprise", "p_value"), [(LIMIT + 0.1, ALPHA), (LIMIT, 0.0)])
 def test_a_surprise_that_chance_gives_is_a_match(
     monkeypatch: pytest.MonkeyPatch, surprise: float, p_value: float
 ) -> None:
-    model = plain_model(adequacy=replace(SURPRISED, surprise=surprise))
-    assert nameless(monkeypatch, model, p_value).outcome == "match"
+    assert nameless(monkeypatch, left_with(surprise), p_value).outcome == "match"
 
 
 @pytest.mark.parametrize(
@@ -296,11 +291,11 @@ def test_a_surprise_that_chance_gives_is_a_match(
 def test_forms_without_a_name_that_are_surely_there_are_unexplained(
     monkeypatch: pytest.MonkeyPatch, loose: bool, more: float, outcome: str
 ) -> None:
-    beside = DEFAULT_GATES.nameless + more
+    beside = DEFAULT_GATES.detect + more
     against = SimpleNamespace(loose=loose, beside=beside, beside_quantities=("speed", "turn"))
     decision = nameless(monkeypatch, plain_model(contest=against), 1.0)
     assert decision.outcome == outcome
-    assert ("speed and turn (evidence 21)" in decision.reason) is (outcome == "unexplained")
+    assert ("speed and turn (evidence 15)" in decision.reason) is (outcome == "unexplained")
 
 
 def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabilities: float) -> Decision:

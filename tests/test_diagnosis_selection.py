@@ -24,7 +24,7 @@ SPOT = {"drag": 1.0, "x": 0.12, "y": 0.05, "half_x": 0.2, "half_y": 0.2, "roundn
 def selector():
     drives = [recording(seed, **{f"rough_floor_patch__{k}": v for k, v in SPOT.items()}) for seed in (0, 1)]
     engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
-    return Selector(engine, fit_base(engine), [], 14.0, 0.01, 3.5, 4, np.random.default_rng(0))
+    return Selector(engine, fit_base(engine), [], 14.0, 0.01, 4, np.random.default_rng(0))
 
 
 def patch(selector, **changes):

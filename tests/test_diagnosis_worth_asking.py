@@ -8,6 +8,7 @@ from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.shapes import score_tests
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
 from fsm_calib.world2d.effects import registry
 
@@ -28,7 +29,8 @@ def test_a_moment_stands_out_where_the_robot_was_pushed(changes, names):
     assert standing_out(Bank.on(engine, base), EFFECTS, 14.0) == names
 
 
-def test_a_push_that_the_score_tests_do_not_notice_is_asked_for():
+def test_a_push_that_the_score_tests_do_not_notice_is_asked_for(monkeypatch):
     engine, base = fitted(**PUSHED)
-    asked = worth_asking(Bank.on(engine, base), EFFECTS, (), needed=1e-3, curious=1e9)
+    monkeypatch.setattr(score_tests, "ALPHA", 1e-300)
+    asked = worth_asking(Bank.on(engine, base), EFFECTS, (), needed=1e-3)
     assert "external_push" in {effect.name for effect in asked}

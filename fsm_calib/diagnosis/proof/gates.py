@@ -19,21 +19,15 @@ class Gates:
 
     detect : evidence that an effect needs (of 90 robots without one none has more than 12 with a scanned place,
     plain ones win 5.9 at most); an event needs twice what the best other moment promises on top. further_share : of
-    the first effect's evidence, alone, that each further one must add (EXACT).
-    curious : -log10 p of the most surprising of some 60 score tests above which a further effect is looked for (chance
-    exceeds it in 2 of 100 robots). most : effects of one robot. least_confidence : probability that a name must
-    have to be said. unexplained_surprise : -log10 p of what is left over above which recordings without a name are
-    no match, if it is significant after the looking, too. nameless : evidence of un-named forms above which they
-    are none either (of 290 clean robots one has more than 6: jumps of the poses worth 14).
+    the first effect's evidence, alone, that each further one must add (EXACT). Forms without a name that have more
+    than `detect` are no match (of 290 clean robots one has more than 6: jumps of the poses worth 14). most : effects
+    of one robot. least_confidence : probability that a name must have to be said.
     """
 
     detect: float = 14.0
     further_share: float = EXACT
-    curious: float = 3.5
     most: int = 6
     least_confidence: float = 0.6
-    unexplained_surprise: float = 4.2
-    nameless: float = 20.0
 
 
 DEFAULT_GATES = Gates()

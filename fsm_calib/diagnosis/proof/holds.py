@@ -20,9 +20,9 @@ from scipy.special import ndtri
 
 from fsm_calib.diagnosis.proof.windows import NORMAL_MEDIAN, Windows
 from fsm_calib.diagnosis.replay.simulator import Simulator
+from fsm_calib.diagnosis.shapes.score_tests import ALPHA
 from fsm_calib.types import FloatArray
 
-ALPHA = 1e-3  # probability that a robot which holds is refused
 BLOCK = 2.0  # s: the horizon of a prediction
 FEWEST = 3  # windows in a block: fewer, and one bad frame decides
 

@@ -19,11 +19,11 @@ from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import have_encoders
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.form_test import Remainder
-from fsm_calib.diagnosis.proof.gates import Gates, adequacy
+from fsm_calib.diagnosis.proof.gates import Gates
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
-from fsm_calib.diagnosis.shapes.score_tests import left_over
+from fsm_calib.diagnosis.shapes.score_tests import left_over, surprising
 from fsm_calib.world2d.effects import Effect
 
 OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn; not the wheels
@@ -38,11 +38,10 @@ def shown_in_poses(simulators: Sequence[Simulator], gates: Gates, effects: Seque
         return True
     engine = Engine(tuple(without_encoders(s) for s in simulators))
     base = fit_whole_base(engine, effects)
-    if Remainder.of(engine, base).beside_of(())[0] > gates.nameless:
+    if Remainder.of(engine, base).beside_of(())[0] > gates.detect:
         return True
     groups = feature_groups(situations_of(engine.simulators, base.values))
-    left = adequacy(left_over(engine, base, groups), 0.0)
-    return left.surprise > gates.unexplained_surprise
+    return bool(surprising(left_over(engine, base, groups)))
 
 
 def without_encoders(simulator: Simulator) -> Simulator:

@@ -17,6 +17,7 @@ from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import Group, body_columns, feature_groups
 from fsm_calib.diagnosis.shapes.score_tests import (
+    ALPHA,
     LeftOver,
     Residual,
     log_tail,
@@ -27,8 +28,7 @@ from fsm_calib.diagnosis.shapes.score_tests import (
 from fsm_calib.types import FloatArray
 
 BLOCK = 1.0  # s: several times the noise's memory
-FLIPS = 199  # p-values down to 0.005
-SIGNIFICANT = 0.01
+FLIPS = 999  # p-values down to 0.001
 STATE_SURPRISE = 3.0  # -log10 p of a state before the correction for their number
 BIN = 1.0  # s
 BIN_SURPRISE = 4.0  # -log10 p of a second: 120 seconds are looked at
@@ -115,7 +115,7 @@ class Flips:
 def flip_test(
     residual: Residual, groups: Iterable[Group], rng: np.random.Generator
 ) -> tuple[list[LeftOver], float, float]:
-    """Return the tests of all groups, most surprising first, the p-value of the first, and what 1 % of signs reach."""
+    """Return the tests of all groups, most surprising first, the p-value of the first, and what ALPHA of them reach."""
     block = _blocks(residual)
     flips = Flips(block, rng.choice([-1.0, 1.0], size=(FLIPS, int(block.max()) + 1)), np.zeros(FLIPS))
     tests = []
@@ -125,7 +125,7 @@ def flip_test(
         flips.watch(residual, x)
     tests.sort(key=lambda t: -t.surprise)
     p_value = float((1 + np.sum(flips.largest >= tests[0].surprise)) / (FLIPS + 1))
-    return tests, p_value, float(np.quantile(flips.largest, 1 - SIGNIFICANT))
+    return tests, p_value, float(np.quantile(flips.largest, 1 - ALPHA))
 
 
 def _blocks(residual: Residual) -> np.ndarray:

@@ -21,6 +21,8 @@ from fsm_calib.diagnosis.likelihood.robust import Whitener, log_kernel, robust_w
 from fsm_calib.diagnosis.shapes.features import Group
 from fsm_calib.types import FloatArray
 
+ALPHA = 0.003  # probability with which chance may pass for a finding: beyond three standard deviations
+
 
 @dataclass(frozen=True, eq=False)
 class LeftOver:
@@ -115,6 +117,11 @@ def log_tail(energy: float | FloatArray, degrees: float | FloatArray) -> FloatAr
     """Return the log of the probability that a chi-square of so many degrees of freedom exceeds `energy`."""
     with np.errstate(divide="ignore"):  # what is beyond all numbers is surely left over
         return np.asarray(np.log(chdtrc(degrees, energy)))
+
+
+def surprising(tests: Sequence[LeftOver]) -> list[LeftOver]:
+    """Return the tests that chance alone gives in ALPHA of all robots, counted for their number (Bonferroni)."""
+    return [test for test in tests if test.surprise > -np.log10(ALPHA / len(tests))]
 
 
 def left_over(engine: Engine, fit: Fit, groups: Iterable[Group]) -> list[LeftOver]:

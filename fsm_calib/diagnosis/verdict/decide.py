@@ -21,8 +21,8 @@ from fsm_calib.diagnosis.proof.in_poses import shown_in_poses
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
-from fsm_calib.diagnosis.shapes.locate import SIGNIFICANT, Location, locate
-from fsm_calib.diagnosis.shapes.score_tests import left_over
+from fsm_calib.diagnosis.shapes.locate import Location, locate
+from fsm_calib.diagnosis.shapes.score_tests import ALPHA, left_over, surprising
 from fsm_calib.diagnosis.verdict.cross_examined import supports_of
 from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.diagnosis.verdict.model import Model, bare_model
@@ -105,7 +105,6 @@ class Judge:
             self.effects,
             gates.detect,
             gates.further_share,
-            gates.curious,
             gates.most,
             self.rng,
             self.progress,
@@ -157,10 +156,10 @@ class Judge:
         left, against = plain.adequacy, plain.contest
         outcome: Outcome = "match"
         reason = "the re-fitted base robot explains the recordings to within their noise"
-        if left.surprise > self.gates.unexplained_surprise and location.p_value < SIGNIFICANT:
+        if surprising(plain.tests) and location.p_value < ALPHA:
             outcome = "unexplained"
             reason = f"the residual depends on {left.group} (10^-{left.surprise:.0f} by chance), no effect explains it"
-        elif not against.loose and against.beside > self.gates.nameless:
+        elif not against.loose and against.beside > self.gates.detect:
             outcome = "unexplained"
             reason = (
                 f"the robot's speeds depend on {' and '.join(against.beside_quantities)} "

@@ -1,8 +1,7 @@
 r"""How sure is a name? It must add something, beat its rivals, and be the law that it says.
 
     P(name) = P(added > 0) / (1 + sum_r (1 - p_r) / p_r) P(shape)            r: rivals that are beaten, and twins
-    log odds of shape = SURE - LEFT log(1 + i left / SCALE) - REPLACED max(replaced, 0) - MOVED max(moved, 0)
-                        - PATCHY patchy
+    log odds of shape = SURE - DOUBT [log(1 + i left / SLIGHT) + patchy] - ANOTHER [max(replaced, 0) + max(moved, 0)]
 
 added, p_r : from the gaps in evidence over nothing and over rival r, each tempered by its own spread from second to
 second (`proof/gap.py`; a moment over nothing by what other moments promise, `Support.alone`), that over a rival also by
@@ -11,9 +10,9 @@ the name explains that un-named forms explain beside it, or better in its place,
 patchy [1] : how well it could mend what is inexact in stronger effects (`verdict/support.py`). A right name whose
 equation is another than ours and a wrong neighbour differ in these shares, not in sizes. The numbers were set on opened
 development robots (`benchmarks/concealed`, `benchmarks/engine` with the mass behind the axle, `benchmarks/foreign` seed
-1), right names against names given when the true one had been taken out of the catalogue; PATCHY on sets whose keys had
-been opened (`benchmarks/foreign` seeds 7, 8 and 10 to 12, one set of `benchmarks/concealed`). No robot was among them
-that was sealed at the time. docs/constants.md lists them.
+1), right names against names given when the true one had been taken out of the catalogue; DOUBT and SLIGHT of uneven
+evidence on sets whose keys had been opened (`benchmarks/foreign` seeds 7, 8, 10 to 12 and 16, one set of
+`benchmarks/concealed`). No robot was among them that was sealed at the time. docs/constants.md lists them.
 """
 
 from __future__ import annotations
@@ -24,13 +23,15 @@ from dataclasses import dataclass
 from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.proof.gap import TOLD_APART
 from fsm_calib.diagnosis.proof.gates import EXACT
-from fsm_calib.diagnosis.verdict.support import Support
+from fsm_calib.diagnosis.verdict.support import SLIGHT, Support
 
 SURE = 3.2  # log odds of a name that leaves nothing
-LEFT, SCALE = 1.5, 0.05  # even odds where forms still explain four tenths of what the name does
-REPLACED = 3.0  # log odds a share by which forms do better in the name's place
-MOVED = 4.0  # log odds a share that is another law in each drive
-PATCHY = 1.4  # log odds a unit by which a name among stronger ones has uneven evidence
+DOUBT = (
+    1.4  # log odds for each e-fold by which what is left, or how unevenly the evidence lies, passes SLIGHT
+)
+ANOTHER = (
+    4.0  # log odds a share by which it is another law: in each drive, or one without a name that does better
+)
 
 LARGEST_LOG_ODDS = 30.0
 TINY = 1e-12
@@ -65,9 +66,7 @@ def shape_probability(support: Support) -> float:
     """Return the probability that an effect is the law that its name says, not one that resembles it."""
     log_odds = (
         SURE
-        - LEFT * math.log1p(support.left * support.interchangeable / SCALE)
-        - REPLACED * max(support.replaced, 0.0)
-        - MOVED * max(support.moved, 0.0)
-        - PATCHY * support.patchy
+        - DOUBT * (math.log1p(support.left * support.interchangeable / SLIGHT) + support.patchy)
+        - ANOTHER * (max(support.replaced, 0.0) + max(support.moved, 0.0))
     )
     return 1.0 / (1.0 + math.exp(-max(min(log_odds, LARGEST_LOG_ODDS), -LARGEST_LOG_ODDS)))

@@ -6,7 +6,7 @@ evidence joins, earlier ones are asked again whether a rival does better beside 
 for a sum) and whether they are still needed. It ends where neither the score tests nor forms without a name find
 anything left, or where nothing in the catalogue has evidence enough. (None of 34 right models of two independent
 generators leaves a surprise above 3.3 but for the edges of places, those that lack an effect leave 7 to 59; where the
-noise was fitted with the remainder in it, forms see what the tests do not.) Places and moments are sought again only
+noise was fitted with the remainder in it, forms see what the tests do not: right models leave them no evidence.) Places and moments are sought again only
 where the tests of places or of time find something, or where they had evidence of their own before.
 """
 
@@ -61,7 +61,7 @@ class Selector:
     """Selects effects for the recordings of one robot.
 
     needed : evidence that each effect must add to all the others; share : of what the first had alone that a further
-    one must have; curious : -log10 p of what is left above which a further one is looked for; most : effects at most;
+    one must have; most : effects at most;
     rng : for the searches over the floor; distinct : what the first round learns of the starts for the later ones.
     """
 
@@ -70,7 +70,6 @@ class Selector:
     catalogue: Sequence[Effect]
     needed: float
     share: float
-    curious: float
     most: int
     rng: np.random.Generator
     progress: Progress = field(default=lambda part: None)
@@ -228,7 +227,7 @@ class Selector:
     def _worth_asking(self, selection: Selection, bank: Bank) -> list[Effect]:
         """Return the effects that what is left could be."""
         hinted = {r.name for ranking in selection.rankings for r in ranking if r.evidence > self.needed}
-        return worth_asking(bank, self._beside(selection), hinted, needed=self.needed, curious=self.curious)
+        return worth_asking(bank, self._beside(selection), hinted, needed=self.needed)
 
     def _beside(self, selection: Selection) -> list[Effect]:
         named = {e.name for e in selection.effects}

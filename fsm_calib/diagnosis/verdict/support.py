@@ -15,8 +15,9 @@ from fsm_calib.diagnosis.proof.one_law import OneLaw
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
-STEADY = 12.0  # evidence over its spread from second to second at which a law's and a patch's are told apart
-STEADY_HERE = 6.0  # the same of what acts in one place or at one time
+SLIGHT = (
+    1.0 / 12.0
+)  # of a name's evidence: less that is left, or its spread from second to second, hardly speaks
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,15 +97,15 @@ class Support:
     def patchy(self) -> float:
         """How well it could be a patch on what is inexact in the other effects, 0 to infinity.
 
-        (1 - share) log(1 + STEADY spread / added): the others' part of the evidence, and how unevenly its own lies over
-        the drives' seconds (`alone`). What acts in one place or at one time is uneven by nature (STEADY_HERE). Physics
-        that every robot has needs no such excuse, and what keeps time with the wheels' turning mends nothing else.
+        (1 - share) log(1 + spread / added / SLIGHT): the others' part of the evidence, and how unevenly its own lies
+        over the drives' seconds (`alone`). Physics that every robot has needs no such excuse, and what keeps time with
+        the wheels' turning mends nothing else.
         """
         effect = registry()[self.name]
         if effect.universal or "wheel_angle" in effect.reads:
             return 0.0
-        steady = STEADY_HERE if effect.scan else STEADY
-        return (1.0 - self.share) * math.log1p(steady * self.alone.spread / max(self.added.evidence, 1.0))
+        uneven = self.alone.spread / max(self.added.evidence, 1.0)
+        return (1.0 - self.share) * math.log1p(uneven / SLIGHT)
 
     @property
     def twins(self) -> tuple[Gap, ...]:

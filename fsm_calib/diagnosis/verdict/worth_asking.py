@@ -13,7 +13,7 @@ import numpy as np
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.shapes.features import feature_groups
-from fsm_calib.diagnosis.shapes.score_tests import tested
+from fsm_calib.diagnosis.shapes.score_tests import surprising, tested
 from fsm_calib.world2d.effects import Effect
 
 PLACES = {"place", "place and heading"}
@@ -22,21 +22,21 @@ TIMES = {"time", "moment", "wear and warmth"}
 
 
 def worth_asking(
-    bank: Bank, effects: Sequence[Effect], hinted: Collection[str], *, needed: float, curious: float
+    bank: Bank, effects: Sequence[Effect], hinted: Collection[str], *, needed: float
 ) -> list[Effect]:
     """Return those of some effects, none of them in the bank's parent, that what it leaves could be.
 
-    hinted : names that had evidence before; needed, curious : as in `Selector`.
+    hinted : names that had evidence before; needed : as in `Selector`.
 
     Where nothing is left, neither to tests nor to forms, those are only events that had something to say before or that
     stand out among all moments: a push of a quarter of a second is one pose in a hundred to the test of a regime. Where
     the world's physics is another than ours, a moment that stands out may be none (`Support.alone`).
     """
     tests = tested(bank.scanner.residual, feature_groups(bank.scanner.situations))
-    left = [t for t in tests if t.surprise > curious]
+    left = surprising(tests)
     regimes = {t.group.regime for t in left}
     hinted = {*hinted, *standing_out(bank, [e for e in effects if e.name not in hinted], needed)}
-    if not left and Remainder.of(bank.engine, bank.parent).beside <= needed:
+    if not left and Remainder.of(bank.engine, bank.parent).beside <= 0.0:
         return [e for e in effects if e.scan == "time" and e.name in hinted]
     return [
         e
