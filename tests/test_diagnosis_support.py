@@ -100,7 +100,9 @@ def test_a_remainder_that_could_not_do_the_names_job_is_not_held_against_it():
 
 def test_forms_that_could_do_the_names_job_but_explain_nothing_that_is_left_are_not_held_against_it():
     other_kind = support(beside=300.0, instead=0.0, stand_in=-400.0)
-    assert shape_probability(other_kind) > 2.0 * shape_probability(support(beside=300.0, instead=0.0))
+    alike = support(beside=300.0, instead=0.0)
+    odds_of_other, odds_of_alike = (p / (1.0 - p) for p in map(shape_probability, (other_kind, alike)))
+    assert odds_of_other > 10.0 * odds_of_alike
 
 
 def test_what_stands_in_for_a_name_is_of_the_quantities_that_are_left(tilted):

@@ -1,6 +1,7 @@
 """The world that an `unexplained` verdict writes: one robot, in its comment as in its values, with what improves it."""
 
 import re
+from dataclasses import replace
 
 import pytest
 import yaml
@@ -9,6 +10,7 @@ from diagnosis_robots import recording
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.proof.heldout import compare
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
@@ -29,7 +31,9 @@ def drive(seed):
 
 @pytest.fixture(scope="module")
 def found():
-    return diagnose([drive(seed) for seed in TRAIN], [drive(NEW)], without=WITHOUT)
+    """Return the diagnosis of one who says no name that is less than 0.9 sure."""
+    strict = replace(DEFAULT_GATES, least_confidence=0.9)
+    return diagnose([drive(seed) for seed in TRAIN], [drive(NEW)], without=WITHOUT, gates=strict)
 
 
 def test_it_has_what_improves_the_fit_though_no_name_is_sure(found):

@@ -9,6 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts, hypotheses_of, slots_of
+from fsm_calib.diagnosis.candidates.ridge import beyond_the_ridge
 from fsm_calib.diagnosis.candidates.scan import Candidate, Scanner, scan_of
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
@@ -269,18 +270,29 @@ def _asked_for(effect: Effect, given: set[str]) -> list[Closure]:
 
 
 def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[int]) -> Ranked:
-    """Fit once more with every Jacobian column fresh and all noise levels free: for the few that matter."""
-    fit = ranked.fit
-    for _ in range(POLISH_ROUNDS):  # one suffices unless the effect carried the base robot far
-        before = fit.score
-        fit = engine.fit(fit.values, fit.slots, fit.noise, steps=6)
-        fit = engine.refit_noise(fit, noise_names, 4)
-        if fit.score < before + POLISHED_ENOUGH:
-            break
-    fit = engine.fit(fit.values, fit.slots, fit.noise, steps=6, refresh=True)
+    """Fit once more with every Jacobian column fresh and all noise levels free, on the highest hill: for the few that
+    matter.
+    """
+    fit = _settled(engine, ranked.fit, noise_names)
+    higher = beyond_the_ridge(engine, fit, ranked.name)
+    if higher is not None:
+        there = engine.fit(higher, fit.slots, fit.noise, steps=LAST_STEPS)
+        fit = max(fit, _settled(engine, there, noise_names), key=lambda found: found.score)
+    fit = engine.fit(fit.values, fit.slots, fit.noise, steps=LAST_STEPS, refresh=True)
     if fit.score < ranked.fit.score:
         fit = engine.fit(ranked.fit.values, ranked.fit.slots, ranked.fit.noise, steps=0)
     return Ranked(ranked.hypothesis, fit, evidence_of(fit, parent, engine.count), fit.score - parent.score)
+
+
+def _settled(engine: Engine, fit: Fit, noise_names: Sequence[int]) -> Fit:
+    """Return a fit and its noise, fitted in turn until neither wins any more."""
+    for _ in range(POLISH_ROUNDS):  # one suffices unless the effect carried the base robot far
+        before = fit.score
+        fit = engine.fit(fit.values, fit.slots, fit.noise, steps=LAST_STEPS)
+        fit = engine.refit_noise(fit, noise_names, 4)
+        if fit.score < before + POLISHED_ENOUGH:
+            break
+    return fit
 
 
 def parameters_of(ranked: Ranked) -> dict[str, FloatArray]:

@@ -6,8 +6,9 @@ evidence joins, earlier ones are asked again whether a rival does better beside 
 for a sum) and whether they are still needed. It ends where neither the score tests nor forms without a name find
 anything left, or where nothing in the catalogue has evidence enough. (None of 34 right models of two independent
 generators leaves a surprise above 3.3 but for the edges of places, those that lack an effect leave 7 to 59; where the
-noise was fitted with the remainder in it, forms see what the tests do not: right models leave them no evidence.) Places and moments are sought again only
-where the tests of places or of time find something, or where they had evidence of their own before.
+noise was fitted with the remainder in it, forms see what the tests do not: right models leave them no evidence.) Places
+and moments are sought again only where the tests of places or of time find something, or where they had evidence of
+their own before.
 """
 
 from __future__ import annotations

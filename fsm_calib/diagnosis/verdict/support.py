@@ -15,9 +15,7 @@ from fsm_calib.diagnosis.proof.one_law import OneLaw
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
-SLIGHT = (
-    1.0 / 12.0
-)  # of a name's evidence: less that is left, or its spread from second to second, hardly speaks
+SLIGHT = 0.06  # of a name's evidence: less that is left, or its spread from second to second, hardly speaks
 
 
 @dataclass(frozen=True, slots=True)
