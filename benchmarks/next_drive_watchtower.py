@@ -73,10 +73,10 @@ def main() -> None:
     for way in plan.manoeuvres:
         print(f"  {way.start:5.1f} s  {way.name}")
     print(f"sure before {plan.forecast.sureness_before:.2f}, promised after {plan.forecast.sureness:.2f}")
-    others = [name for name in registry() if name not in RIVALS]
     total = 0
     for name in reversed(RIVALS):
-        truth = next(h for h in belief.hypotheses if h.names == (name,))
+        truth = max((h for h in belief.hypotheses if name in h.names), key=lambda h: h.probability)
+        others = [n for n in registry() if n not in {*RIVALS, *truth.names}]
         right, gaps = 0, []
         for draw in range(asked.draws):
             rng = np.random.default_rng([RIVALS.index(name), draw])
