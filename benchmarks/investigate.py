@@ -48,9 +48,15 @@ HIDDEN = (
     "coulomb_friction", "gear_backlash", "battery_sag", "wheel_eccentricity", "caster_drag", "tyre_scrub", "lateral_slip",
     "payload_offset", "floor_tilt", "carpet_nap", "rough_floor_patch", "low_friction_patch", "sensor_offset", "command_delay",
 )  # fmt: skip
-ON_THE_FIELD = {"known": {"camera": True}, "start": {"x": -0.9, "y": 0.0, "theta": 0.5}}
-BY_CAMERA = {"poses": "camera", "centre_x": -0.9, "width": 1.7, "depth": 1.4, "command": 0.4}
-"""Of a robot that places itself by the calibration area's floor markers, as in scenarios/investigate_camera.yaml."""
+PLACES = {
+    "tracker": {"scene": {"boards": {"placed": ({"board": {}, "x": 3.0, "y": 0.0},)}}},
+    "camera": {
+        "robot": {"known": {"camera": True}, "start": {"x": -0.9, "y": 0.0, "theta": 0.5}},
+        "investigate": {"poses": "camera", "centre_x": -0.9, "width": 1.7, "depth": 1.4, "command": 0.4},
+    },
+}
+"""What a scenario has where the poses come from a tracker over an empty floor, or from the robot's own camera over the
+calibration area's markers, as in scenarios/investigate_camera.yaml."""
 PIECE = 12.0
 """Least time of a random or passive drive, where there is room [s]."""
 TRIED = 12
@@ -109,16 +115,15 @@ def effects(kind: str, names: tuple[str, ...], factor: float) -> dict:
 def robot(
     number: int, kind: str, names: tuple[str, ...], budget: float, seed: int | None, poses: str
 ) -> Scenario:
+    place = PLACES[poses]
     factor = 1.0 if seed is None else float(np.random.default_rng([seed, number, 1]).uniform(0.75, 1.25))
     return Scenario.model_validate(
         {
             "name": f"robot-{number}",
             "seed": 1000 + number + 1000 * (seed or 0),
-            "robot": {"effects": effects(kind, names, factor), **(ON_THE_FIELD if poses == "camera" else {})},
-            "scene": {}
-            if poses == "camera"
-            else {"boards": {"placed": ({"board": {}, "x": 3.0, "y": 0.0},)}},
-            "investigate": {"budget": budget, **(BY_CAMERA if poses == "camera" else {})},
+            "robot": {"effects": effects(kind, names, factor), **place.get("robot", {})},
+            "scene": place.get("scene", {}),
+            "investigate": {"budget": budget, **place.get("investigate", {})},
         }
     )
 
@@ -229,7 +234,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="number of the first robot")
     parser.add_argument("--arms", nargs="+", default=list(ARMS), choices=list(ARMS))
     parser.add_argument(
-        "--poses", default="tracker", choices=("tracker", "camera"), help="where the robot's poses come from"
+        "--poses", default="tracker", choices=list(PLACES), help="where the robot's poses come from"
     )
     parser.add_argument("--summary", type=Path, help="only print the table of this file")
     asked = parser.parse_args()

@@ -17,6 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from investigate import PLACES
 from investigate_bounds import Ignorant, unpromised_drive
 
 from fsm_calib.actions.investigating import Field
@@ -43,15 +44,12 @@ def scenario(number: int, budget: float) -> Scenario:
             "robot": {
                 "source": "nominal",
                 "wheel_ratio": 1.06,
-                "known": {"camera": True},
-                "start": {"x": -0.9, "y": 0.0, "theta": 0.5},
                 "effects": {"motor_deadband": {"offset": 0.05}},
+                **PLACES["camera"]["robot"],
             },
-            "investigate": {
-                "budget": budget, "poses": "camera", "centre_x": -0.9, "width": 1.7, "depth": 1.4, "command": 0.4,
-            },
+            "investigate": {"budget": budget, **PLACES["camera"]["investigate"]},
         }
-    )  # fmt: skip
+    )
 
 
 def driven(number: int, budget: float) -> runs.Investigation:

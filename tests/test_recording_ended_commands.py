@@ -39,7 +39,7 @@ def kinds(recording):
 def test_commands_end_with_the_last_where_the_robot_goes_on_to_do_several_things():
     recording = without_unlogged_commands(driven(logged=12))
     assert kinds(recording) == ["ended"]
-    assert recording.command.known_until == 5.0
+    assert recording.command.ended.tolist() == 11 * [0.0] + [1.0]
     assert "the last is of 5.00 s" in recording.checks[0].sentence
     assert recording.checks[0].time == 5.0
 
@@ -53,7 +53,14 @@ def test_twists_end_as_commands_do():
     recording = driven(logged=12)
     twist = TwistTrack(recording.command.time, recording.command.left, recording.command.right)
     recording = without_unlogged_commands(dataclasses.replace(recording, command=None, twist=twist))
-    assert recording.twist.known_until == 5.0
+    assert unknown_spans(recording.twist).tolist() == [[5.0, np.inf]]
+
+
+def test_the_end_stays_with_its_command_where_the_clock_is_moved_or_rows_are_taken():
+    track = without_unlogged_commands(driven(logged=12)).command
+    later = dataclasses.replace(track, time=track.time + 100.0)
+    assert unknown_spans(later).tolist() == [[105.0, np.inf]]
+    assert unknown_spans(track.rows(slice(0, 8))).tolist() == []
 
 
 @pytest.mark.parametrize(

@@ -68,8 +68,8 @@ class CommandTrack(Channel):
 
     left, right : normalized commands in [-1, 1] or wheel rates [rad/s], positive forward (`unit` says which);
     stale_after : a command older than this [s] says nothing about the wheels (the log had a gap); None =
-    never. lost : how many commands before each row never reached the log; None = nobody counted. known_until : when
-    [s] the log ended though the drive went on; None = with the drive.
+    never. lost : how many commands before each row never reached the log; None = nobody counted. ended : 1 at a row
+    after which the log had ended though the drive went on, else 0; None = nowhere.
     """
 
     left: FloatArray
@@ -77,20 +77,20 @@ class CommandTrack(Channel):
     unit: CommandUnit = "normalized"
     stale_after: float | None = None
     lost: FloatArray | None = None
-    known_until: float | None = None
+    ended: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class TwistTrack(Channel):
     """Commanded forward speed v [m/s] and turn rate omega [rad/s, counter-clockwise]; each holds until the
-    next. `stale_after`, `lost` and `known_until` as of wheel commands.
+    next. `stale_after`, `lost` and `ended` as of wheel commands.
     """
 
     v: FloatArray
     omega: FloatArray
     stale_after: float | None = None
     lost: FloatArray | None = None
-    known_until: float | None = None
+    ended: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

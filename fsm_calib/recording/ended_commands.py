@@ -23,7 +23,7 @@ SETTLED = 0.5  # s after a command in which motors follow
 CLEARLY = 0.3  # of the drive's usual speed: no floor, load or battery changes a robot's so much that fast
 SURELY = 6.0  # standard deviations of what the poses' noise makes of a speed
 FEWEST = 9  # pauses between commands: of fewer the last is the longest too often
-HALF_AXLE = 0.05  # m, of a robot whose size nobody stated
+AXLE = 0.1  # m, of a robot whose size nobody stated
 
 
 def without_unlogged_commands(recording: Recording) -> Recording:
@@ -33,14 +33,14 @@ def without_unlogged_commands(recording: Recording) -> Recording:
     if track is None or pose is None or track.stale_after is not None or len(track) < FEWEST + 1:
         return recording
     last, longest = float(track.time[-1]), float(np.diff(track.time).max())
-    if not _goes_otherwise(pose, last, longest, recording.robot.axle_length or 2.0 * HALF_AXLE):
+    if not _goes_otherwise(pose, last, longest, recording.robot.axle_length or AXLE):
         return recording
     sentence = (
         f"the last is of {last:.2f} s, yet the robot went on to do what one command does not; the "
         f"{float(pose.time[-1]) - last:.1f} s after it are left out"
     )
     told = Finding(name, "ended", sentence, "kept", 1, last)
-    ended: dict[str, Any] = {name: dataclasses.replace(track, known_until=last)}
+    ended: dict[str, Any] = {name: dataclasses.replace(track, ended=track.time == last)}
     return dataclasses.replace(recording, **ended, checks=(*recording.checks, told))
 
 
@@ -57,7 +57,7 @@ def _goes_otherwise(pose: PoseTrack, last: float, longest: float, axle: float) -
         return False
     usual = _speeds(time, series, float(time[0]))
     after = _speeds(time, series, last + SETTLED)
-    noise = float(np.hypot(*(np.array([chord_noise(s) for s in series[:2]])))) * np.sqrt(2.0) / WINDOW
+    noise = float(np.hypot(chord_noise(series[0]), chord_noise(series[1]))) * np.sqrt(2.0) / WINDOW
     least = max(CLEARLY * float(np.quantile(usual.max(axis=1), 0.9)), SURELY * noise)
     return bool(np.any(np.ptp(after, axis=0) > least))
 

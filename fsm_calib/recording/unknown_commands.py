@@ -23,17 +23,18 @@ def unknown_spans(track: CommandTrack | TwistTrack) -> FloatArray:
 
     A span begins where the last command before a loss was logged, or `stale_after` it, and ends with the next row
     (infinity after the last). Where many commands were logged, none holds for longer than the longest pause between
-    them: the log has ended; so it has at `known_until`. The time before the first row is not told here.
+    them: the log has ended. So it has after a row that is marked `ended`. The time before the first row is not told
+    here.
     """
     time, after = track.time, np.append(track.time[1:], np.inf)
     lost = np.zeros(len(time), dtype=bool)
     if track.lost is not None:
         lost[:-1] = track.lost[1:] > 0.0
+    if track.ended is not None:
+        lost |= track.ended > 0.0
     old = after - time > (np.inf if track.stale_after is None else track.stale_after)
     begins = np.where(lost, time, time + (track.stale_after or 0.0))
-    if track.known_until is not None:
-        old[-1], begins[-1] = True, track.known_until
-    elif len(time) >= MANY and not old[-1]:
+    if len(time) >= MANY and not (old | lost)[-1]:
         old[-1], begins[-1] = True, time[-1] + np.diff(time).max()
     return np.column_stack([begins, after])[lost | old]
 
