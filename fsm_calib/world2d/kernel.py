@@ -51,6 +51,7 @@ OUTPUTS = {outputs}
 '''
 
 
+@per_catalogue
 def memory_places() -> tuple[dict[str, int], int]:
     """Return the place in S of each effect's memory, and how many slots all of them need."""
     places, total = {}, 0
@@ -60,6 +61,7 @@ def memory_places() -> tuple[dict[str, int], int]:
     return places, total
 
 
+@per_catalogue
 def flag_places() -> dict[str, int]:
     """Return the place of each effect in the array of flags."""
     return {name: i for i, name in enumerate(registry())}

@@ -19,6 +19,7 @@ from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.kernel import kernel, memory_places
 from fsm_calib.world2d.loop import OUTPUTS
 from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.path import Path
 from fsm_calib.world2d.slots import BENCH_SIZE, MEMORY
 
 COLUMNS = (
@@ -87,9 +88,10 @@ def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 @per_catalogue
-def _needs_place() -> NDArray[np.bool_]:
-    """Return one flag an effect: whether its step hook reads place, heading or roll."""
-    return np.array([bool(e.reads) and "step" in e.hooks for e in registry().values()])
+def _readers() -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return two flags an effect: whether its step hook reads place, heading or roll, and whether it reads the roll."""
+    step = [effect.reads if "step" in effect.hooks else () for effect in registry().values()]
+    return np.array([bool(reads) for reads in step]), np.array(["wheel_angle" in reads for reads in step])
 
 
 def active_flags(parameters: FloatArray) -> NDArray[np.bool_]:
@@ -112,40 +114,6 @@ def _start(x0: Sequence[float] | FloatArray) -> FloatArray:
     return start
 
 
-def track_at(pose_track: FloatArray | None, samples: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Return place, heading and wheel angles at the sample times, shape (n, 5).
-
-    `pose_track`, shape (m, 4) or (m, 6): time [s], x, y [m], theta [rad] (not wrapped), and perhaps the
-    wheels' angles [rad]; without them the angles follow from the path by rolling without slip. Between and
-    beyond rows: linear, held.
-    """
-    if pose_track is None:
-        return np.zeros((0, 5))
-    track = np.asarray(pose_track, dtype=float)
-    if track.ndim != 2 or track.shape[1] not in (4, 6) or len(track) < 1:
-        raise InputError(
-            f"a track of shape {track.shape}, expected (n, 4): t, x, y, theta, or (n, 6) with wheel angles"
-        )
-    if track.shape[1] == 4:
-        track = np.column_stack([track, rolled_angles(track, parameters)])
-    return np.column_stack([np.interp(samples, track[:, 0], track[:, i]) for i in range(1, 6)])
-
-
-def rolled_angles(track: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Return the wheels' angles [rad], shape (m, 2), of a path (t, x, y, theta) rolled without slip from
-    zero.
-    """
-    table = parameter_table()
-    axle, left, right = (
-        parameters[table.index[n]] for n in ("axle_length", "wheel_radius_left", "wheel_radius_right")
-    )
-    dx, dy, turn = np.diff(track[:, 1]), np.diff(track[:, 2]), np.diff(track[:, 3])
-    heading = 0.5 * (track[1:, 3] + track[:-1, 3])
-    ahead = (dx * np.cos(heading) + dy * np.sin(heading)) / np.sinc(turn / (2.0 * np.pi))
-    steps = np.column_stack([(ahead - 0.5 * axle * turn) / left, (ahead + 0.5 * axle * turn) / right])
-    return np.vstack([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-
-
 def working_arrays(levels: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the arrays that a roll-out works in: state, workbench, and room for the levels of a drive of that many."""
     return np.zeros(MEMORY + memory_places()[1]), np.zeros(BENCH_SIZE), np.zeros((4, levels))
@@ -156,7 +124,7 @@ def simulate(
     drive: Drive,
     t_grid: FloatArray,
     x0: Sequence[float] | FloatArray,
-    pose_track: FloatArray | None = None,
+    pose_track: FloatArray | Path | None = None,
     dt: float = FIT_STEP,
 ) -> FloatArray:
     """Return the robot's states at the sample times `t_grid` [s], shape (n, 12), columns `COLUMNS`.
@@ -171,8 +139,8 @@ def simulate(
         Strictly increasing.
     x0 : sequence
         Pose at `t_grid[0]`, at rest; or pose and twist (v, v_lateral, omega).
-    pose_track : array, optional
-        See `track_at`: stands in for the simulated pose where an effect asks for place, heading or wheel
+    pose_track : array or Path, optional
+        A `Path`, or its track: stands in for the simulated pose where an effect asks for place, heading or wheel
         phase.
     dt : float
         Longest step [s]; the effective one divides each interval.
@@ -185,11 +153,12 @@ def simulate_many(
     drive: Drive,
     t_grid: FloatArray,
     x0: Sequence[float] | FloatArray,
-    pose_track: FloatArray | None = None,
+    pose_track: FloatArray | Path | None = None,
     dt: float = FIT_STEP,
+    on: NDArray[np.bool_] | None = None,
 ) -> FloatArray:
     """Return the states of every row of `parameters`, shape (k, p), as `simulate` does; result of shape (k,
-    n, 12).
+    n, 12). A `Path` has the same sample times; `on` are the rows' `active_flags`, where they are known.
     """
     matrix = np.ascontiguousarray(parameters, dtype=float)
     samples = np.ascontiguousarray(t_grid, dtype=float)
@@ -197,9 +166,13 @@ def simulate_many(
         raise InputError("the sample times do not increase", cure="Sort them and drop repeats.")
     if not dt > 0.0:
         raise InputError(f"the step is {dt} s, expected a positive number")
-    on = active_flags(matrix)
-    needs = (on & _needs_place()).any(axis=1)
-    track = track_at(pose_track if needs.any() else None, samples, matrix[0])  # most drives never look at it
+    on = active_flags(matrix) if on is None else on
+    looking, rolling = _readers()
+    needs = (on & looking).any(axis=1)
+    track = np.zeros((0, 5))
+    if pose_track is not None and needs.any():  # most drives never look at it
+        path = pose_track if isinstance(pose_track, Path) else Path.of(pose_track, samples)
+        track = path.at(matrix[0], bool((on & rolling).any()))
     looks = np.where(needs, 2 if len(track) else 1, 0)
     starts = np.tile(_start(x0), (len(matrix), 1))
     out = np.empty((len(matrix), samples.size, OUTPUTS))

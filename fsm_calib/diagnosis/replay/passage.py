@@ -15,7 +15,8 @@ import numpy as np
 
 from fsm_calib.diagnosis.replay.simulator import GRID_STEP, Simulator
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.rollout import Drive, rolled_angles
+from fsm_calib.world2d.path import rolled_angles
+from fsm_calib.world2d.rollout import Drive
 
 RUN_UP = 0.3  # s before a crossing: two lags of a small robot's wheels
 FADE = 0.6  # s after it

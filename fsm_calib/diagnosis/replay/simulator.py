@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -18,6 +19,7 @@ from fsm_calib.world2d.dynamics import small_rotation
 from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.observation import observe, robot_time, smoothed
 from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.path import Path
 from fsm_calib.world2d.rollout import Drive, active_flags, simulate_many
 from fsm_calib.world2d.scale import Scale
 
@@ -62,7 +64,11 @@ class Simulator:
         """
         p = self.prepared
         last = len(p.time) - 1
-        return self.increments_between(values, 0, last, self.grid, p.reference[0], self.drive, self.track)
+        return self.increments_between(values, 0, last, self.grid, p.reference[0], self.drive, self._path)
+
+    @cached_property
+    def _path(self) -> Path:
+        return Path.of(self.track, self.grid)
 
     def increments_between(
         self,
@@ -72,7 +78,7 @@ class Simulator:
         grid: FloatArray,
         start: FloatArray,
         drive: Drive,
-        track: FloatArray,
+        track: FloatArray | Path,
     ) -> FloatArray:
         """Return increments (k, last - first + 1, 5) of the events from `first` to `last` alone; row 0 is zero.
 
@@ -80,10 +86,11 @@ class Simulator:
         track : what of both acts then.
         """
         p, part = self.prepared, slice(first, last + 1)
-        states = simulate_many(values, drive, grid, start, track, p.settings.simulation_step)
+        on = active_flags(values)
+        states = simulate_many(values, drive, grid, start, track, p.settings.simulation_step, on)
         time, reference = p.time[part], p.reference[part]
         out = np.empty((len(values), len(time), 5))
-        clocked, filtered, seen = (_acts(values, hook) for hook in ("clock", "smooth", "observe"))
+        clocked, filtered, seen = (_acts(on, hook) for hook in ("clock", "smooth", "observe"))
         for i, vector in enumerate(values):
             seen_at = np.ascontiguousarray(robot_time(vector, p.time)[part]) if clocked[i] else time
             if filtered[i]:
@@ -119,9 +126,9 @@ def _with_hook(hook: str) -> NDArray[np.bool_]:
     return np.array([hook in effect.hooks for effect in registry().values()])
 
 
-def _acts(values: FloatArray, hook: str) -> NDArray[np.bool_]:
-    """Return which vectors (k, p) switch on an effect with a hook `clock`, `smooth` or `observe`, (k,)."""
-    return np.asarray((active_flags(values) & _with_hook(hook)).any(axis=1))
+def _acts(on: NDArray[np.bool_], hook: str) -> NDArray[np.bool_]:
+    """Return which rows of flags (k, effects) have an effect with a hook `clock`, `smooth` or `observe`, (k,)."""
+    return np.asarray((on & _with_hook(hook)).any(axis=1))
 
 
 @njit(cache=True)
