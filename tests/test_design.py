@@ -206,6 +206,17 @@ def test_match_still_believes_in_effects_that_would_have_stayed_unseen(clean):
     assert len(clean.hypotheses) > 3
 
 
+def test_a_moment_that_is_not_said_is_no_part_of_what_is_believed(monkeypatch):
+    decision = diagnose([recording(k, 12.0, motor_deadband__offset=0.05) for k in range(2)]).decision
+    known = decision.model.supports[0]
+    event = replace(known.effect, hypothesis=replace(known.effect.hypothesis, effect="external_push", run=0))
+    unsaid = replace(known, effect=event)
+    larger = replace(decision, model=replace(decision.model, supports=(known, unsaid)))
+    assert belief_of(larger).leader.names == ("motor_deadband",)
+    said = replace(larger, named=(*decision.named, replace(decision.named[0], effect=event)))
+    assert set(belief_of(said).leader.names) == {"motor_deadband", "external_push"}
+
+
 def test_named_effect_leads_the_belief():
     found = belief_of(diagnose([recording(0, 12.0, motor_deadband__offset=0.05)]).decision)
     assert found.leader.names == ("motor_deadband",)

@@ -176,12 +176,22 @@ def _something(decision: Decision, lasting: Sequence[Effect]) -> list[Weighed]:
     """Return the explanations by which something is missing."""
     if decision.outcome == "match":
         return [*_places(decision, len(lasting)), *_hidden(decision, lasting)]
-    fitted = [*_singles(decision, len(lasting)), *_pairs(decision, len(lasting))]
+    fitted = _likeliest([*_singles(decision, len(lasting)), *_pairs(decision, len(lasting))])
     if decision.outcome == "explained":
         return fitted
     led = {name for _, h in fitted for name in h.names if h.room <= 0.0}  # these won as much as a name must
     named = [weighed for weighed in fitted if led.issuperset(weighed[1].names)]
     return [*named, *_hidden(decision, [e for e in lasting if e.name not in led])]
+
+
+def _likeliest(weighed: Sequence[Weighed]) -> list[Weighed]:
+    """Return explanations without those that have the names of a likelier one."""
+    best: dict[frozenset[str], Weighed] = {}
+    for odds, hypothesis in weighed:
+        names = frozenset(hypothesis.names)
+        if names not in best or odds > best[names][0]:
+            best[names] = (odds, hypothesis)
+    return list(best.values())
 
 
 def _singles(decision: Decision, catalogue: int) -> Iterator[Weighed]:
@@ -200,14 +210,20 @@ def _places(decision: Decision, catalogue: int) -> Iterator[Weighed]:
 
 
 def _pairs(decision: Decision, catalogue: int) -> Iterator[Weighed]:
-    """Yield an answer of several effects, the same without each of them, and with each of its rivals in its place."""
+    """Yield an answer of several effects, the same without each of them, and with each of its rivals in its place.
+
+    What may have happened once, but is not said, is no part of the answer: a new drive does not have it.
+    """
     supports, base = decision.model.supports, decision.base
     if len(supports) < 2:
         return
-    names = tuple(s.name for s in supports)
+    said = {b.name for b in decision.named}
+    lasting = tuple(s for s in supports if s.name in said or not is_event(registry()[s.name]))
+    names = tuple(s.name for s in lasting)
     total = evidence_of(decision.model.fit, base, decision.engine.count)
-    yield _weighed(total, decision.model.fit, names, base, catalogue)
-    for i, support in enumerate(supports):
+    if names:
+        yield _weighed(total, decision.model.fit, names, base, catalogue)
+    for i, support in enumerate(lasting):
         rest = names[:i] + names[i + 1 :]
         if len(rest) > 1:
             yield _weighed(total - support.added.evidence, support.without, rest, base, catalogue)
