@@ -53,10 +53,12 @@ PLACES = {
     "camera": {
         "robot": {"known": {"camera": True}, "start": {"x": -0.9, "y": 0.0, "theta": 0.5}},
         "investigate": {"poses": "camera", "centre_x": -0.9, "width": 1.7, "depth": 1.4, "command": 0.4},
+        "without": ("sensor_offset", "command_saturation"),
     },
 }
 """What a scenario has where the poses come from a tracker over an empty floor, or from the robot's own camera over the
-calibration area's markers, as in scenarios/investigate_camera.yaml."""
+calibration area's markers, as in scenarios/investigate_camera.yaml; what is not drawn there: a robot that places itself has
+no tracker that could sit elsewhere, and its commands end where the typical limit is."""
 PIECE = 12.0
 """Least time of a random or passive drive, where there is room [s]."""
 TRIED = 12
@@ -94,22 +96,25 @@ SAME = {"command_delay": "delay", "observation_delay": "delay"}
 
 
 def drawn(seed: int, number: int, poses: str) -> tuple[str, ...]:
-    """Kind and effects of a robot that a seed draws; one that places itself has no tracker that could sit elsewhere."""
+    """Kind and effects of a robot that a seed draws, of those that it can have and show where its poses come from."""
     kind, rng = KINDS[number % len(KINDS)], np.random.default_rng([seed, number])
-    hidden = [name for name in HIDDEN if poses == "tracker" or name != "sensor_offset"]
+    hidden = [name for name in HIDDEN if name not in PLACES[poses].get("without", ())]
     return (kind, *rng.choice(hidden, {"clean": 0, "pair": 2}.get(kind, 1), replace=False).tolist())
 
 
-def effects(kind: str, names: tuple[str, ...], factor: float) -> dict:
-    """The hidden effects, each typical number moved towards the value that changes nothing."""
+def effects(kind: str, names: tuple[str, ...], factor: float, centre_x: float) -> dict:
+    """The hidden effects, each typical number moved towards the value that changes nothing, spots into the area."""
     share = factor * SIZES.get(kind, 1.0)
-    return {
+    hidden = {
         name: {
             p.name: p.null + share * (p.typical - p.null) if p.strength else p.typical
             for p in registry()[name].parameters
         }
         for name in names
     }
+    for name in (n for n in names if registry()[n].scan == "place"):
+        hidden[name]["x"] += centre_x
+    return hidden
 
 
 def robot(
@@ -121,7 +126,10 @@ def robot(
         {
             "name": f"robot-{number}",
             "seed": 1000 + number + 1000 * (seed or 0),
-            "robot": {"effects": effects(kind, names, factor), **place.get("robot", {})},
+            "robot": {
+                "effects": effects(kind, names, factor, place.get("investigate", {}).get("centre_x", 0.0)),
+                **place.get("robot", {}),
+            },
             "scene": place.get("scene", {}),
             "investigate": {"budget": budget, **place.get("investigate", {})},
         }

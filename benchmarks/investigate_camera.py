@@ -14,6 +14,7 @@ import argparse
 import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import compress, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +35,8 @@ from fsm_calib.scenario.world import world_of
 WRONG = 0.002
 """Standard deviation of what is wrong with the camera's pitch and roll [rad]; twice that of the yaw."""
 MILLI = 1e3
+TAG = 0.065
+"""Side of the calibration area's markers [m]."""
 
 
 def scenario(number: int, budget: float) -> Scenario:
@@ -85,8 +88,8 @@ def told(label: str, drives: Sequence[Field], rows: Sequence[Sequence], trace: n
     steps = np.vstack([np.diff(e, axis=0) for e in off])
     same = np.concatenate(
         [
-            [{t[0] for t in a} == {t[0] for t in b} for a, b in zip(d.seen, d.seen[1:], strict=False)]
-            for d in drives
+            [{t[0] for t in a} == {t[0] for t in b} for a, b in pairwise(compress(d.seen, good))]
+            for d, good in zip(drives, own_camera.well_told(drives, TAG), strict=True)
         ]
     )
     scatter = np.vstack(off).std(axis=0)

@@ -1,16 +1,18 @@
 """The robot on a floor of mapped tags: one image, all images together, and where its camera sits by its drives."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fsm_calib.actions.floor_tracker import camera_offset, moved_to_axle, unwound
 from fsm_calib.perception.fleet_camera import fleet_camera
-from fsm_calib.perception.floor_map import adjusted_poses
+from fsm_calib.perception.floor_map import adjusted_poses, pose_spreads
 from fsm_calib.perception.floor_pose import corners_on_map, floor_pose, view_on_floor
 from fsm_calib.perception.lens import intrinsics_vector, project
 from fsm_calib.perception.rotations import base_from_camera
+from fsm_calib.runner.investigation.own_camera import POORLY, well_told
 from fsm_calib.types import CameraMount, Pose2, TagDetection
 
 CAMERA, MOUNT = fleet_camera(), CameraMount()
@@ -71,6 +73,42 @@ def test_all_frames_together_know_how_the_tags_were_laid():
     plain = [math.hypot(t.pose.x - r.x, t.pose.y - r.y) for r, t in pairs]
     assert np.std(np.array(off)) < 0.6 * np.std(np.array(plain))
     assert np.median(off) < np.median(plain)
+
+
+def noisy_tags(numbers, sd, rng):
+    """Tags of the drawing from the origin, their corners off by `sd` [m] along each axis."""
+    square = corners_on_map(Pose2(), 0.065) @ [1.0, 1.0j]
+    frame = []
+    for number in numbers:
+        off = sd * rng.standard_normal((4, 2))
+        corners = (corners_on_map(DRAWN[number], 0.065) + off) @ [1.0, 1.0j]
+        middle = corners.mean()
+        turn = np.angle(np.sum(np.conj(square) * (corners - middle)))
+        frame.append((number, middle.real, middle.imag, turn, sd))
+    return tuple(frame)
+
+
+@pytest.mark.parametrize("numbers", [(22,), (11, 12, 22), tuple(DRAWN)])
+def test_how_well_tags_tell_a_pose_is_by_what_their_noise_scatters_it(numbers):
+    rng, sd = np.random.default_rng(5), 0.004
+    frames = [noisy_tags(numbers, sd, rng) for _ in range(400)]
+    poses, _ = adjusted_poses(frames, DRAWN)
+    place, heading = pose_spreads(frames)[0]
+    assert poses[:, 2].std() == pytest.approx(heading, rel=0.12)
+    assert math.sqrt(np.linalg.eigvalsh(np.cov(poses[:, :2].T)).max()) == pytest.approx(place, rel=0.12)
+
+
+def test_poses_that_a_single_tag_tells_are_left_out_where_others_see_many():
+    rng = np.random.default_rng(0)
+    many, one = (noisy_tags(n, 0.001, rng) for n in ((11, 12, 21, 22, 31, 33), (22,)))
+    drives = [SimpleNamespace(seen=[many, one, many]), SimpleNamespace(seen=[many])]
+    assert [good.tolist() for good in well_told(drives, 0.065)] == [[True, False, True], [True]]
+    assert pose_spreads([one])[0, 1] > POORLY * pose_spreads([many])[0, 1]
+
+
+def test_poses_are_kept_where_all_are_told_alike():
+    lonely = noisy_tags((22,), 0.001, np.random.default_rng(0))
+    assert well_told([SimpleNamespace(seen=[lonely] * 4)], 0.065)[0].all()
 
 
 def driven(ahead=0.0, yaw=0.0):

@@ -41,7 +41,7 @@ def adjusted_poses(
     of_tag = np.array([row[seen[0]] for frame in frames for seen in frame])
     table = np.array([seen[1:] for frame in frames for seen in frame]).reshape(-1, 4)
     p = _corners(table[:, 0] + 1j * table[:, 1], table[:, 2], size)
-    weight = 1.0 / (table[:, 3] ** 2 + (0.3 * PLACED_SD) ** 2)
+    weight = _weights(table[:, 3])
     nominal = np.array([as_complex(corners_on_map(drawn[number], size)) for number in numbers])
     square = nominal - nominal.mean(axis=1, keepdims=True)
     lying = nominal.copy()
@@ -52,6 +52,31 @@ def adjusted_poses(
     turn, shift = _groups(p, lying[of_tag], weight, of_frame, len(frames))
     places = {n: _pose_of(lying[k], nominal[k], drawn[n]) for k, n in enumerate(numbers)}
     return np.column_stack([shift.real, shift.imag, np.angle(turn)]), places
+
+
+def pose_spreads(frames: Sequence[Sequence[SeenTag]], size: float = 0.065) -> FloatArray:
+    """Return how well the corners of each frame's tags tell its pose: standard deviations (n, 2) of place [m] and
+    heading [rad].
+
+    With weights w_i of corners p_i in `base` and their weighted mean p:
+
+        var theta = 1 / sum w_i |p_i - p|^2,    var place = 1 / sum w_i + |p|^2 var theta
+
+    the place in its worst direction: an error of a tag's heading carries the robot round that tag.
+    """
+    of_frame = np.array([f for f, frame in enumerate(frames) for _ in frame])
+    table = np.array([seen[1:] for frame in frames for seen in frame]).reshape(-1, 4)
+    p, weight = _corners(table[:, 0] + 1j * table[:, 1], table[:, 2], size), _weights(table[:, 3])
+    total = 4.0 * np.bincount(of_frame, weight, len(frames))
+    mean = sum_by_group(weight * p.sum(axis=1), of_frame, len(frames)) / total
+    across = np.sum(np.abs(p - mean[of_frame, None]) ** 2, axis=1)
+    heading = 1.0 / np.bincount(of_frame, weight * across, len(frames))
+    return np.sqrt(np.column_stack([1.0 / total + np.abs(mean) ** 2 * heading, heading]))
+
+
+def _weights(spread: FloatArray) -> FloatArray:
+    """Return the weight [1/m^2] of corners whose standard deviation is `spread` [m] beside what is left of the map."""
+    return np.asarray(1.0 / (spread**2 + (0.3 * PLACED_SD) ** 2))
 
 
 def _corners(centre: np.ndarray, heading: FloatArray, size: float) -> np.ndarray:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import compress
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsm_calib.actions.bench import Bench
 from fsm_calib.actions.floor_tracker import FloorTracker, PoseRow, camera_offset, moved_to_axle
@@ -17,7 +19,7 @@ from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.sight import Sight
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.errors import InputError
-from fsm_calib.perception.floor_map import adjusted_poses
+from fsm_calib.perception.floor_map import adjusted_poses, pose_spreads
 from fsm_calib.perception.floor_pose import view_on_floor
 from fsm_calib.perception.levelled import levelled
 from fsm_calib.types import CameraMount, Pose2
@@ -31,6 +33,9 @@ MOST_OFFSET, MOST_YAW = 0.01, 0.03
 """By so much a calibrated camera may sit elsewhere than it is known to [m, rad]."""
 MOST_LATE = 0.2
 """By so much a frame's time may be off [s]: a robot on a network stamps it late, and its link dates it back."""
+POORLY = 3.0
+"""Times the median pose's standard deviation from which on a pose is left out: the likelihood takes all as equally
+good, and a robot that spins past a single blurred tag errs by 40 mrad where it usually errs by one."""
 VIEW_CELL, VIEW_REACH = (
     0.02,
     0.6,
@@ -87,18 +92,27 @@ def corrected(
     """Return the poses of drives by a map that all of them tell together, and with where the camera sits by them.
 
     How tags were laid and how the camera is mounted, known to 3 mm and half a degree, are no physics of the robot.
-    mount : as it was known when the tags were seen.
+    Poses that their tags tell poorly (`well_told`) are left out. mount : as it was known when the tags were seen.
     """
     size, drawn = 0.065 if scene.field is None else scene.field.size, drawn_tags(scene)
     frames = levelled([tags for drive in drives for tags in drive.seen], drawn, mount, size)
     poses, _ = adjusted_poses(frames, drawn, size)
     rows, begin = list[list[PoseRow]](), 0
-    for drive in drives:
-        told = poses[begin : begin + len(drive.poses)]
+    for drive, good in zip(drives, well_told(drives, size), strict=True):
+        told = zip(drive.poses, poses[begin : begin + len(drive.poses)].tolist(), strict=True)
         begin += len(drive.poses)
-        rows.append([_as_wound(row, pose) for row, pose in zip(drive.poses, told.tolist(), strict=True)])
+        rows.append([_as_wound(row, pose) for row, pose in compress(told, good)])
     ahead, yaw = camera_offset(rows)
     return [_seen_from(moved_to_axle(r, ahead, yaw), camera) for r in rows]
+
+
+def well_told(drives: Sequence[Field], size: float) -> list[NDArray[np.bool_]]:
+    """Return which poses of each drive their tags of side `size` [m] tell well enough, (n,) each: not those whose place
+    or heading is known `POORLY` times worse than that of the median of all.
+    """
+    spreads = [pose_spreads(drive.seen, size) for drive in drives]
+    usual = np.median(np.vstack(spreads), axis=0)
+    return [np.asarray((s <= POORLY * usual).all(axis=1)) for s in spreads]
 
 
 def camera_found(fit: Fit) -> Seat:
