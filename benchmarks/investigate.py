@@ -29,6 +29,7 @@ from fsm_calib.diagnosis.design.designer import Composer, NoDrive, Wishes, desig
 from fsm_calib.diagnosis.design.foresight import Foresight
 from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.diagnosis.design.primitives import Primitive
+from fsm_calib.journal import JOURNAL_NAME
 from fsm_calib.runner.investigation.run import investigate
 from fsm_calib.scenario.models import Scenario
 from fsm_calib.types import Pose2
@@ -143,8 +144,9 @@ def one(number: int, arm: str, budget: float, seed: int | None, poses: str) -> d
         going, result = investigate(
             robot(number, kind, tuple(names), budget, seed, poses), Path(folder), designer=ARMS[arm]
         )
+        answers = answers_of(Path(folder))
     truth = {SAME.get(name, name) for name in names}
-    right = [{SAME.get(n, n) for n in drive_names(d)} == truth for d in result["drives"]]
+    right = [{SAME.get(n, n) for n in answer} == truth for answer in answers]
     trace, area = going.connection.world.truth.trace, going.mind.area
     x, y = trace[:, 1], trace[:, 2]
     out = max(
@@ -162,6 +164,7 @@ def one(number: int, arm: str, budget: float, seed: int | None, poses: str) -> d
         "seconds_to_right": None
         if settled is None
         else sum(d["seconds"] for d in result["drives"][: settled + 1]),
+        "answers": answers,
         "said": [d["beliefs"][0] for d in result["drives"] if d["beliefs"]],
         "verdict": result.get("verdict"),
         "promises": [[d["expected"], d["reached"]] for d in result["drives"]],
@@ -171,11 +174,10 @@ def one(number: int, arm: str, budget: float, seed: int | None, poses: str) -> d
     }
 
 
-def drive_names(drive: dict) -> list[str]:
-    if not drive["beliefs"]:
-        return []
-    label = drive["beliefs"][0][0]
-    return [] if label == "nothing is missing" else label.split(" + ")
+def answers_of(folder: Path) -> list[list[str]]:
+    """The names that each judgement would have answered: those of the verdict, where it has any."""
+    rows = map(json.loads, (folder / JOURNAL_NAME).read_text().splitlines())
+    return [row["evidence"]["names"] for row in rows if row.get("trigger") == "answer_judged"]
 
 
 def summary(rows: list[dict]) -> str:

@@ -16,7 +16,6 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from investigate import drive_names
 from kept_rows import kept_rows
 
 from fsm_calib.runner.investigation.run import investigate
@@ -75,7 +74,6 @@ def one(number: int, seed: int) -> dict:
         "rival": rival,
         "ended": result["ended"],
         "seconds": result["robot"]["seconds"],
-        "said": drive_names(result["drives"][-1]) if result["drives"] else [],
         "named": [effect["name"] for effect in result.get("effects", [])],
         "ambiguous": result.get("ambiguous", []),
         "reason": result["reason"],
