@@ -3,14 +3,18 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from fsm_calib.actions.investigate_settings import InvestigateSettings
 from fsm_calib.actions.investigating import Findings
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis
+from fsm_calib.diagnosis.design.designer import NoDrive
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.recording.recording import RobotFacts
+from fsm_calib.runner.investigation.own_camera import MOST_LATE, camera_found
 from fsm_calib.runner.investigation.thinking import Mind
+from fsm_calib.world2d.parameters import null_parameters, parameter_table
 
 
 def sure_of(*names):
@@ -77,3 +81,33 @@ def test_a_set_that_cannot_be_told_apart_keeps_it_open():
 
 def test_an_explanation_without_a_name_that_is_said_keeps_it_open():
     assert not answered(motor_deadband=1.0)._is_sure(sure_of("motor_deadband"), 0.9)
+
+
+def asked_of_the_designer(monkeypatch, leader, unnamed):
+    """Return how many explanations the designer is asked to tell apart, beside two that it is given."""
+    slots = (np.zeros((0, 0)), np.zeros(0))
+    first = Hypothesis(("motor_deadband",), leader, null_parameters(), (), *slots)
+    second = Hypothesis((), 1.0 - leader, null_parameters(), (), *slots)
+    belief = Belief((first, second), 0, null_parameters(), Noise(), unnamed=unnamed)
+    heard = []
+    mind = Mind(
+        Area(), RobotFacts(), 0, designer=lambda asked, *rest: heard.append(asked) or NoDrive.NOTHING_TOLD
+    )
+    monkeypatch.setattr(mind, "_believed", lambda bench: belief)
+    mind.design_drive(SimpleNamespace(asked=InvestigateSettings(), findings=Findings()))
+    return len(heard[0].hypotheses) - 2
+
+
+def test_where_one_explanation_is_left_the_next_drive_looks_for_what_is_beside_it(monkeypatch):
+    assert asked_of_the_designer(monkeypatch, 0.99, unnamed=0.5) > 0
+
+
+def test_where_two_explanations_are_left_the_next_drive_tells_them_apart(monkeypatch):
+    assert asked_of_the_designer(monkeypatch, 0.6, unnamed=0.0) == 0
+
+
+@pytest.mark.parametrize(("linked", "late"), [(True, 0.5 * MOST_LATE), (False, 0.0)])
+def test_frames_are_late_by_a_network_alone(linked, late):
+    table, values = parameter_table(), null_parameters()
+    values[table.place("observation_delay.delay")] = 0.5 * MOST_LATE
+    assert camera_found(SimpleNamespace(values=values[None]), linked) == (0.0, 0.0, 0.0, late)

@@ -40,7 +40,8 @@ def unless_stood_in(engine: Engine, base: Fit, freed: Callable[[Fit], Fit], riva
     if evidence < NEEDED:
         return base
     bank = Bank.on(engine, base)
-    tried = [found for found in map(bank.best_of, rivals) if found is not None and found.evidence > evidence]
+    found = [bank.best_of(rival, 0.5 * evidence) for rival in rivals]
+    tried = [ranked for ranked in found if ranked is not None and ranked.evidence > evidence]
     if not tried:
         return free
     rival = max(tried, key=lambda found: found.evidence).fit

@@ -179,8 +179,9 @@ def _something(decision: Decision, lasting: Sequence[Effect]) -> list[Weighed]:
     fitted = _likeliest([*_singles(decision, len(lasting)), *_pairs(decision, len(lasting))])
     if decision.outcome == "explained":
         return fitted
+    lasts = {e.name for e in lasting}  # of what happened once, and is not said, a new drive tells nothing
     led = {name for _, h in fitted for name in h.names if h.room <= 0.0}  # these won as much as a name must
-    named = [weighed for weighed in fitted if led.issuperset(weighed[1].names)]
+    named = [weighed for weighed in fitted if (led & lasts).issuperset(weighed[1].names)]
     return [*named, *_hidden(decision, [e for e in lasting if e.name not in led])]
 
 

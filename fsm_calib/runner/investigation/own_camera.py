@@ -115,17 +115,18 @@ def well_told(drives: Sequence[Field], size: float) -> list[NDArray[np.bool_]]:
     return [np.asarray((s <= POORLY * usual).all(axis=1)) for s in spreads]
 
 
-def camera_found(fit: Fit) -> Seat:
+def camera_found(fit: Fit, linked: bool) -> Seat:
     """Return where a fitted explanation has the poses on the robot, and how late; zeros where it has them right.
 
-    Only what a mount and a clock may be off is taken: more is the robot's or the floor's.
+    Only what a mount and a clock may be off is taken: more is the robot's or the floor's. linked : whether frames come
+    over a network, which dates them; one that stamps its own is not late.
     """
     table = parameter_table()
     names = ("sensor_offset.x", "sensor_offset.y", "sensor_yaw.yaw", "observation_delay.delay")
     x, y, yaw, late = (float(fit.values[0, table.place(name)]) for name in names)
     if math.hypot(x, y) > MOST_OFFSET or abs(yaw) > MOST_YAW:
         x = y = yaw = 0.0
-    return x, y, yaw, late if abs(late) <= MOST_LATE else 0.0
+    return x, y, yaw, late if linked and abs(late) <= MOST_LATE else 0.0
 
 
 def _seen_from(rows: Sequence[PoseRow], camera: Seat) -> list[PoseRow]:

@@ -159,7 +159,8 @@ def _mind(
     if asked.poses == "camera":
         bench.tracker = tracker_of(bench, scene, asked)
         area = with_sight(area, bench, scene, asked)
-        return Mind(area, facts, scenario.seed, before.recordings, designer, scene)
+        linked = connection.world is None
+        return Mind(area, facts, scenario.seed, before.recordings, designer, scene, linked)
     if connection.world is not None:
         bench.tracker = OverheadTracker(connection.world, scenario.tracker.build())
     return Mind(area, facts, scenario.seed, before.recordings, designer)

@@ -40,7 +40,7 @@ class Mind:
     taken up again thinks the same.
 
     given : recordings that were there before. designer : who plans drives. scene : the drawing, where poses come from
-    its floor markers.
+    its floor markers. linked : whether its frames come over a network.
     """
 
     area: Area
@@ -49,6 +49,7 @@ class Mind:
     given: tuple[Recording, ...] = ()
     designer: Designer = design
     scene: SceneSpec | None = None
+    linked: bool = False
     diagnosis: Diagnosis | None = None
     belief: Belief | None = None
     plans: list[Plan] = field(default_factory=list)
@@ -60,7 +61,9 @@ class Mind:
         believed = self._believed(bench) or prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
         sure = believed.sureness >= asked.sure
         belief, least = believed, LEAST_SHARE * believed.doubt
-        if sure or len(believed.hypotheses) == 1:  # what one explanation leaves may be a drive's bad luck
+        if (
+            believed.probabilities.max() >= asked.sure
+        ):  # what one explanation leaves may be a drive's bad luck
             belief, least = with_doubts(believed), 0.0
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
         findings.designs += 1
@@ -133,7 +136,7 @@ class Mind:
         """
         if self.scene is None or self.diagnosis is None:
             return False
-        found = camera_found(self.diagnosis.decision.model.fit)
+        found = camera_found(self.diagnosis.decision.model.fit, self.linked)
         if not any(found):
             return False
         x, y, yaw, late = bench.findings.camera
