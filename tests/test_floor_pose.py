@@ -101,9 +101,18 @@ def test_how_well_tags_tell_a_pose_is_by_what_their_noise_scatters_it(numbers):
 def test_poses_that_a_single_tag_tells_are_left_out_where_others_see_many():
     rng = np.random.default_rng(0)
     many, one = (noisy_tags(n, 0.001, rng) for n in ((11, 12, 21, 22, 31, 33), (22,)))
-    drives = [SimpleNamespace(seen=[many, one, many]), SimpleNamespace(seen=[many])]
-    assert [good.tolist() for good in well_told(drives, 0.065)] == [[True, False, True], [True]]
+    drives = [SimpleNamespace(seen=[many, one] + [many] * 20), SimpleNamespace(seen=[many] * 3)]
+    long, short = well_told(drives, 0.065)
+    assert long.tolist() == [True, False] + [True] * 20
+    assert short.all()
     assert pose_spreads([one])[0, 1] > POORLY * pose_spreads([many])[0, 1]
+
+
+def test_a_drive_that_would_be_too_short_without_them_keeps_its_poor_poses():
+    rng = np.random.default_rng(0)
+    many, one = (noisy_tags(n, 0.001, rng) for n in ((11, 12, 21, 22, 31, 33), (22,)))
+    drives = [SimpleNamespace(seen=[many] * 40), SimpleNamespace(seen=[many] * 15 + [one] * 8)]
+    assert well_told(drives, 0.065)[1].all()
 
 
 def test_poses_are_kept_where_all_are_told_alike():

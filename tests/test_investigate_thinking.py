@@ -1,9 +1,11 @@
 """What an investigation thinks between two drives."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from diagnosis_robots import recording
 
 from fsm_calib.actions.investigate_settings import InvestigateSettings
 from fsm_calib.actions.investigating import Findings
@@ -11,7 +13,9 @@ from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis
 from fsm_calib.diagnosis.design.designer import NoDrive
 from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import RobotFacts
+from fsm_calib.runner.investigation import thinking
 from fsm_calib.runner.investigation.own_camera import MOST_LATE, camera_found
 from fsm_calib.runner.investigation.thinking import Mind
 from fsm_calib.world2d.parameters import null_parameters, parameter_table
@@ -111,3 +115,18 @@ def test_frames_are_late_by_a_network_alone(linked, late):
     table, values = parameter_table(), null_parameters()
     values[table.place("observation_delay.delay")] = 0.5 * MOST_LATE
     assert camera_found(SimpleNamespace(values=values[None]), linked) == (0.0, 0.0, 0.0, late)
+
+
+def test_a_drive_that_was_cut_off_at_once_is_not_diagnosed(monkeypatch):
+    mind, heard, long = Mind(Area(), RobotFacts(), 0), [], recording(0, 12.0)
+    first = [series[:15] for series in (long.pose.time, long.pose.x, long.pose.y, long.pose.theta)]
+    short = replace(long, pose=PoseTrack(*first))
+    monkeypatch.setattr(mind, "recordings", lambda bench: (long, short))
+    monkeypatch.setattr(
+        thinking,
+        "diagnose",
+        lambda recordings, seed: heard.extend(recordings) or SimpleNamespace(decision=None),
+    )
+    monkeypatch.setattr(thinking, "belief_of", lambda decision: None)
+    mind._believed(SimpleNamespace(findings=Findings(drives=[None, None])))
+    assert len(heard) == 1

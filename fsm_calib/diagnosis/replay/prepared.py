@@ -123,6 +123,15 @@ def clean_poses(recording: Recording) -> Poses:
     return Poses(time, x, y, theta, dropped, placed, headed)
 
 
+def is_usable(recording: Recording) -> bool:
+    """Return whether a recording has poses enough to be diagnosed."""
+    try:
+        clean_poses(recording)
+    except DataError:
+        return False
+    return True
+
+
 def placed_by_wheels(recording: Recording, track: PoseTrack) -> PoseTrack:
     """Return the headings with positions reckoned from the wheels: they tell where, but are no measurement."""
     known = np.isfinite(track.theta)

@@ -18,6 +18,7 @@ from fsm_calib.actions.markers import camera_of
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.sight import Sight
 from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.replay.prepared import FEWEST_FRAMES
 from fsm_calib.errors import InputError
 from fsm_calib.perception.floor_map import adjusted_poses, pose_spreads
 from fsm_calib.perception.floor_pose import view_on_floor
@@ -108,11 +109,13 @@ def corrected(
 
 def well_told(drives: Sequence[Field], size: float) -> list[NDArray[np.bool_]]:
     """Return which poses of each drive their tags of side `size` [m] tell well enough, (n,) each: not those whose place
-    or heading is known `POORLY` times worse than that of the median of all.
+    or heading is known `POORLY` times worse than that of the median of all. Of a drive that would be too short without
+    them all stay.
     """
     spreads = [pose_spreads(drive.seen, size) for drive in drives]
     usual = np.median(np.vstack(spreads), axis=0)
-    return [np.asarray((s <= POORLY * usual).all(axis=1)) for s in spreads]
+    good = [np.asarray((s <= POORLY * usual).all(axis=1)) for s in spreads]
+    return [g if g.sum() >= FEWEST_FRAMES else np.ones(len(g), dtype=bool) for g in good]
 
 
 def camera_found(fit: Fit, linked: bool) -> Seat:

@@ -15,6 +15,7 @@ from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief, with_d
 from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design, foretold
 from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
+from fsm_calib.diagnosis.replay.prepared import is_usable
 from fsm_calib.errors import DataError
 from fsm_calib.outcome import Outcome
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
@@ -169,10 +170,12 @@ class Mind:
         )
 
     def _believed(self, bench: InvestigationBench) -> Belief | None:
-        """Return the belief after all drives; computed once for each number of them."""
+        """Return the belief after all drives, computed once for each number of them; what was cut off at once tells
+        nothing.
+        """
         drives = bench.findings.drives
         if self._known != len(drives):
-            recordings = self.recordings(bench)
+            recordings = [r for r in self.recordings(bench) if is_usable(r)]
             if recordings:
                 self.diagnosis = diagnose(recordings, seed=self.seed)
                 self.belief = belief_of(self.diagnosis.decision)
