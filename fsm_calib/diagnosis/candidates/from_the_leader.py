@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fsm_calib.diagnosis.candidates.ranking import POLISH_SHARE, Bank, Ranked, polished
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
 from fsm_calib.diagnosis.fitting.base import noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off
@@ -35,9 +35,7 @@ def sought_again(
     values = switched_off(leader.fit.values, [leader.name])
     bare = engine.fit(values, base.slots, leader.fit.noise, steps=0)
     for found in Bank.on(engine, bare).rank(asked):
-        told = found.on_top_of(base, engine.count)
-        if told.evidence > POLISH_SHARE * leader.evidence:
-            told = polished(engine, found, base, noise_names(engine.simulators))
+        told = polished(engine, found, base, noise_names(engine.simulators))
         if found.name not in had or told.evidence > had[found.name].evidence:
             had[found.name] = told
     return sorted(had.values(), key=lambda r: -r.evidence)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
@@ -29,7 +29,6 @@ FAR_BELOW = 0.3  # of the evidence that counts: a fit at its parent's noise that
 NEAR_ENOUGH = 40.0  # evidence below the best within which every fit is finished: rivals are told by their gap
 FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are computed again
 WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
-POLISH_SHARE = 0.6  # of the leader's evidence: below it no polish turns the order
 POLISH_ROUNDS = 4  # fits and noise in turn
 POLISHED_ENOUGH = 3.0  # log-likelihood units that another round must have won to be followed by one more
 FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted; a name needs more
@@ -52,11 +51,6 @@ class Ranked:
     def name(self) -> str:
         """The effect's name."""
         return self.hypothesis.effect
-
-    def on_top_of(self, parent: Fit, count: int) -> Ranked:
-        """Return the same fit with what it has over another parent; `count` innovations."""
-        fit = self.fit
-        return Ranked(self.hypothesis, fit, evidence_of(fit, parent, count), fit.score - parent.score)
 
 
 def evidence_of(fit: Fit, parent: Fit, count: int) -> float:
@@ -290,7 +284,7 @@ def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[
     fit = engine.fit(fit.values, fit.slots, fit.noise, steps=LAST_STEPS, refresh=True)
     if fit.score < ranked.fit.score:
         fit = engine.fit(ranked.fit.values, ranked.fit.slots, ranked.fit.noise, steps=0)
-    return replace(ranked, fit=fit).on_top_of(parent, engine.count)
+    return Ranked(ranked.hypothesis, fit, evidence_of(fit, parent, engine.count), fit.score - parent.score)
 
 
 def _settled(engine: Engine, fit: Fit, noise_names: Sequence[int]) -> Fit:

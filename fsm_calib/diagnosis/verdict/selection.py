@@ -20,7 +20,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.from_the_leader import sought_again
 from fsm_calib.diagnosis.candidates.place_search import placed
-from fsm_calib.diagnosis.candidates.ranking import POLISH_SHARE, Bank, Distinct, Ranked, evidence_of, polished
+from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct, Ranked, evidence_of, polished
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
@@ -32,6 +32,7 @@ from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
 POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
+POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
 BETTER = 3.0  # log-likelihood units that make another optimum worth a look
 BEAM = 2  # other first effects that are given company of their own
 RIVALS = 2  # of an earlier effect, asked again beside a new one
