@@ -191,12 +191,9 @@ class Bank:
         """Fit one hypothesis from one start; the result is never worse than the parent."""
         return self._finished(self._begun(hypothesis, start))
 
-    def best_of(self, effect: Effect, hope: float = -np.inf) -> Ranked | None:
-        """Return the best form of one effect, fitted to the end from all its starts; None where there is none to try.
-
-        Forms that are far from winning `hope` units of log-likelihood to first order are not tried (`Prober.reach`).
-        """
-        return self._likeliest(self.plans(effect, hope))
+    def best_of(self, effect: Effect) -> Ranked | None:
+        """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
+        return self._likeliest(self.plans(effect))
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of the same closure in another recording; None where nothing is in sight there."""
