@@ -35,8 +35,6 @@ from fsm_calib.scenario.world import world_of
 WRONG = 0.002
 """Standard deviation of what is wrong with the camera's pitch and roll [rad]; twice that of the yaw."""
 MILLI = 1e3
-TAG = 0.065
-"""Side of the calibration area's markers [m]."""
 
 
 def scenario(number: int, budget: float) -> Scenario:
@@ -82,14 +80,16 @@ def errors(poses: Sequence[Sequence[float]], trace: np.ndarray) -> np.ndarray:
     return MILLI * np.column_stack([c * dx + s * dy, c * dy - s * dx, turn])
 
 
-def told(label: str, drives: Sequence[Field], rows: Sequence[Sequence], trace: np.ndarray) -> None:
-    """Print scatter and steps of the poses `rows` of drives."""
+def told(
+    label: str, drives: Sequence[Field], rows: Sequence[Sequence], trace: np.ndarray, size: float
+) -> None:
+    """Print scatter and steps of the poses `rows` of drives over markers of side `size` [m]."""
     off = [errors(row, trace) for row in rows]
     steps = np.vstack([np.diff(e, axis=0) for e in off])
     same = np.concatenate(
         [
             [{t[0] for t in a} == {t[0] for t in b} for a, b in pairwise(compress(d.seen, good))]
-            for d, good in zip(drives, own_camera.well_told(drives, TAG), strict=True)
+            for d, good in zip(drives, own_camera.well_told(drives, size), strict=True)
         ]
     )
     scatter = np.vstack(off).std(axis=0)
@@ -115,7 +115,7 @@ def main() -> None:
             own_camera.levelled = level
             scene, mount = world_of(going.scenario).scene, going.bench.notebook.mount
             rows = own_camera.corrected(drives, scene, mount, (0.0, 0.0, 0.0, 0.0))
-            told(label, drives, rows, trace)
+            told(label, drives, rows, trace, own_camera.tag_size(scene))
             if asked.diagnose:
                 kept = [replace(drive, poses=row) for drive, row in zip(drives, rows, strict=True)]
                 found = diagnose([recording_of(d, going.mind.facts, k) for k, d in enumerate(kept, 1)])

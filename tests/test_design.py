@@ -206,7 +206,7 @@ def test_match_still_believes_in_effects_that_would_have_stayed_unseen(clean):
     assert len(clean.hypotheses) > 3
 
 
-def test_a_moment_that_is_not_said_is_no_part_of_what_is_believed(monkeypatch):
+def test_a_moment_that_is_not_said_is_no_part_of_what_is_believed():
     decision = diagnose([recording(k, 12.0, motor_deadband__offset=0.05) for k in range(2)]).decision
     known = decision.model.supports[0]
     event = replace(known.effect, hypothesis=replace(known.effect.hypothesis, effect="external_push", run=0))

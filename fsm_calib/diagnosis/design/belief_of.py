@@ -180,8 +180,8 @@ def _something(decision: Decision, lasting: Sequence[Effect]) -> list[Weighed]:
     if decision.outcome == "explained":
         return fitted
     lasts = {e.name for e in lasting}  # of what happened once, and is not said, a new drive tells nothing
-    led = {name for _, h in fitted for name in h.names if h.room <= 0.0}  # these won as much as a name must
-    named = [weighed for weighed in fitted if (led & lasts).issuperset(weighed[1].names)]
+    led = lasts & {name for _, h in fitted for name in h.names if h.room <= 0.0}  # won as much as a name must
+    named = [weighed for weighed in fitted if led.issuperset(weighed[1].names)]
     return [*named, *_hidden(decision, [e for e in lasting if e.name not in led])]
 
 
@@ -219,12 +219,12 @@ def _pairs(decision: Decision, catalogue: int) -> Iterator[Weighed]:
     if len(supports) < 2:
         return
     said = {b.name for b in decision.named}
-    lasting = tuple(s for s in supports if s.name in said or not is_event(registry()[s.name]))
-    names = tuple(s.name for s in lasting)
+    told = tuple(s for s in supports if s.name in said or not is_event(registry()[s.name]))
+    names = tuple(s.name for s in told)
     total = evidence_of(decision.model.fit, base, decision.engine.count)
     if names:
         yield _weighed(total, decision.model.fit, names, base, catalogue)
-    for i, support in enumerate(lasting):
+    for i, support in enumerate(told):
         rest = names[:i] + names[i + 1 :]
         if len(rest) > 1:
             yield _weighed(total - support.added.evidence, support.without, rest, base, catalogue)

@@ -60,10 +60,14 @@ def drawn_tags(scene: SceneSpec) -> dict[int, Pose2]:
     return {marker.tag_id: marker.pose for marker in markers}
 
 
+def tag_size(scene: SceneSpec) -> float:
+    """Return the side of the drawing's floor markers [m]."""
+    return 0.065 if scene.field is None else scene.field.size
+
+
 def tracker_of(bench: Bench, scene: SceneSpec, asked: InvestigateSettings) -> FloorTracker:
     """Return the tracker that looks through the robot's own camera."""
-    size = 0.065 if scene.field is None else scene.field.size
-    return FloorTracker(bench, drawn_tags(scene), size, asked.exposure)
+    return FloorTracker(bench, drawn_tags(scene), tag_size(scene), asked.exposure)
 
 
 def with_sight(area: Area, bench: Bench, scene: SceneSpec, asked: InvestigateSettings) -> Area:
@@ -73,8 +77,7 @@ def with_sight(area: Area, bench: Bench, scene: SceneSpec, asked: InvestigateSet
     aside = np.arange(-VIEW_REACH, VIEW_REACH, VIEW_CELL)
     x, y = (a.ravel() for a in np.meshgrid(ahead, aside, indexing="ij"))
     cells = np.column_stack([x, y]) + 0.5 * VIEW_CELL
-    size = 0.065 if scene.field is None else scene.field.size
-    view = view_on_floor(camera_of(bench), bench.notebook.mount, cells, size, VIEW_REACH)
+    view = view_on_floor(camera_of(bench), bench.notebook.mount, cells, tag_size(scene), VIEW_REACH)
     sight = Sight(
         tags=np.array([(pose.x, pose.y) for pose in tags.values()]),
         view=view.reshape(len(ahead), len(aside)),
@@ -95,7 +98,7 @@ def corrected(
     How tags were laid and how the camera is mounted, known to 3 mm and half a degree, are no physics of the robot.
     Poses that their tags tell poorly (`well_told`) are left out. mount : as it was known when the tags were seen.
     """
-    size, drawn = 0.065 if scene.field is None else scene.field.size, drawn_tags(scene)
+    size, drawn = tag_size(scene), drawn_tags(scene)
     frames = levelled([tags for drive in drives for tags in drive.seen], drawn, mount, size)
     poses, _ = adjusted_poses(frames, drawn, size)
     rows, begin = list[list[PoseRow]](), 0

@@ -62,9 +62,8 @@ class Mind:
         believed = self._believed(bench) or prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
         sure = believed.sureness >= asked.sure
         belief, least = believed, LEAST_SHARE * believed.doubt
-        if (
-            believed.probabilities.max() >= asked.sure
-        ):  # what one explanation leaves may be a drive's bad luck
+        alone = believed.probabilities.max() >= asked.sure
+        if alone:  # what one explanation leaves may be a drive's bad luck
             belief, least = with_doubts(believed), 0.0
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
         findings.designs += 1
@@ -175,7 +174,8 @@ class Mind:
         """
         drives = bench.findings.drives
         if self._known != len(drives):
-            recordings = [r for r in self.recordings(bench) if is_usable(r)]
+            driven = self.recordings(bench)[len(self.given) :]
+            recordings = [*self.given, *filter(is_usable, driven)]
             if recordings:
                 self.diagnosis = diagnose(recordings, seed=self.seed)
                 self.belief = belief_of(self.diagnosis.decision)
