@@ -43,12 +43,14 @@ def robot(**changes):
     return parameters({**base, **{name.replace("__", "."): value for name, value in changes.items()}})
 
 
-def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, **changes):
-    """Return a recording of a `robot` with `changes`, its poses at `rate` [Hz]."""
+def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, jitter=0.0, **changes):
+    """Return a recording of a `robot` with `changes`: poses at `rate` [Hz], commands early or late by `jitter` [s]."""
     rng = np.random.default_rng(seed)
     commands = drive(rng, duration)
     stamps = np.arange(0.0, duration, 1.0 / rate)
-    poses = predict(robot(**changes), commands, stamps, START).poses
+    late = np.sort(commands.time + jitter * np.random.default_rng((seed, 1)).normal(size=len(commands.time)))
+    driven = Drive(late, commands.left, commands.right)
+    poses = predict(robot(**changes), driven, stamps, START).poses
     poses = poses + noise * rng.normal(size=poses.shape) * [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE]
     return Recording(
         robot=RobotFacts(name="simulated", wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=20.0),

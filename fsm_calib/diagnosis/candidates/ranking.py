@@ -55,7 +55,7 @@ class Ranked:
 
 def evidence_of(fit: Fit, parent: Fit, count: int) -> float:
     """Return twice the gained log-likelihood minus the cost of the additional numbers."""
-    extra = len(fit.slots) - len(parent.slots)
+    extra = fit.size - parent.size
     return 2.0 * (fit.score - parent.score) - extra * float(np.log(count))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fsm_calib.diagnosis.candidates.charge import with_charges
+from fsm_calib.diagnosis.candidates.jitter import with_jitter
 from fsm_calib.diagnosis.candidates.tyre_grip import with_tyres
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -16,5 +17,6 @@ def fit_whole_base(engine: Engine, effects: Sequence[Effect]) -> Fit:
     base = fit_base(engine)
     if engine.simulators[0].measured_input:
         return base
+    base = with_jitter(engine, base)
     charged = with_charges(engine, base, [e for e in effects if not e.scan])
     return with_tyres(engine, charged, [e for e in effects if e.scan == "place"])

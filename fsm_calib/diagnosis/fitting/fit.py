@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fsm_calib.diagnosis.fitting.newton import clipped, damped_step, log_prior, normal_equations, promised
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
-from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.diagnosis.likelihood.noise import JITTER, Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener, fit_noise, log_density
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.types import FloatArray
@@ -66,6 +66,11 @@ class Fit:
     def score(self) -> float:
         """Log-likelihood plus log-prior: what the fit maximises."""
         return self.log_likelihood + self.log_prior
+
+    @property
+    def size(self) -> int:
+        """How many numbers were free: those in the slots, and the jitter of commands where there is one."""
+        return len(self.slots) + int(self.noise.jitter > 0.0)
 
     def slot_values(self) -> FloatArray:
         """Return the current numbers in the slots, shape (m,)."""
@@ -329,6 +334,7 @@ class Engine:
     def refit_noise(self, fit: Fit, names: Sequence[int], steps: int = 3) -> Fit:
         """Return the same parameters with the likeliest noise."""
         prepared = [s.prepared for s in self.simulators]
-        noise = fit_noise(prepared, fit.simulated, fit.noise, names, steps)
+        free = (*names, JITTER) if fit.noise.jitter > 0.0 and JITTER not in names else tuple(names)
+        noise = fit_noise(prepared, fit.simulated, fit.noise, free, steps)
         value = self.log_likelihood(self.whiteners(noise), fit.simulated)
         return replace(fit, noise=noise, log_likelihood=value) if value > fit.log_likelihood else fit

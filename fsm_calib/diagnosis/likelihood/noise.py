@@ -24,7 +24,8 @@ class Noise:
 
     position [m], heading [rad]: of one measured pose. forward, sideways [m/s], turning [rad/s]: of the speed
     error. memory [s]: its correlation time. encoder [rad]: of one wheel angle. slip [rad/sqrt(s)]: random walk of
-    a wheel against the floor. colour: correlation of the tag noise from frame to frame (0 = white).
+    a wheel against the floor. colour: correlation of the tag noise from frame to frame (0 = white). jitter [s]: of
+    the time at which commands are followed; 0 = they are punctual, until a fit finds that they are not.
     """
 
     position: float = 0.003
@@ -36,19 +37,21 @@ class Noise:
     encoder: float = 0.02
     slip: float = 0.02
     colour: float = 0.05
+    jitter: float = 0.0
 
     def vector(self) -> FloatArray:
-        """Return the values in the order of the fields, shape (9,)."""
+        """Return the values in the order of the fields, shape (10,)."""
         return np.array([getattr(self, field.name) for field in fields(self)])
 
     @staticmethod
     def of(vector: FloatArray) -> Noise:
-        """Return the noise with the values of `vector`, shape (9,)."""
+        """Return the noise with the values of `vector`, shape (10,)."""
         return Noise(*(float(value) for value in vector))
 
 
 NOISE_NAMES = tuple(field.name for field in fields(Noise))
+JITTER = NOISE_NAMES.index("jitter")
 SMALLEST_NOISE = np.array(
-    [2e-4, 5e-4, 5e-4, 3e-4, 5e-3, SHORTEST_MEMORY, 2e-3, 1e-3, 0.02]
+    [2e-4, 5e-4, 5e-4, 3e-4, 5e-3, SHORTEST_MEMORY, 2e-3, 1e-3, 0.02, 1e-4]
 )  # by field, same units
-LARGEST_NOISE = np.array([0.3, 0.5, 0.5, 0.5, 5.0, LONGEST_MEMORY, 0.5, 2.0, 0.9])
+LARGEST_NOISE = np.array([0.3, 0.5, 0.5, 0.5, 5.0, LONGEST_MEMORY, 0.5, 2.0, 0.9, 0.1])

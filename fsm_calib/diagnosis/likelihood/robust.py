@@ -13,6 +13,7 @@ from functools import cached_property
 from math import lgamma, log, pi
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsm_calib.diagnosis.likelihood.noise import LARGEST_NOISE, SMALLEST_NOISE, Noise
 from fsm_calib.diagnosis.likelihood.whitening import covariance_pass, mean_pass, transitions
@@ -32,16 +33,17 @@ class Whitener:
     moves: FloatArray
     gains: FloatArray
     scale: FloatArray
+    jitter: float
 
     @classmethod
     def at(cls, prepared: Prepared, noise: Noise) -> Whitener:
         """Run the covariance pass."""
         p, levels = prepared, noise.vector()
-        moves = transitions(p.dt, p.moving, levels, p.geometry)
+        moves = transitions(p.dt, p.moving, p.surge, p.anew, levels, p.geometry)
         gains, variance = covariance_pass(
             p.dt, p.rotation, p.step, p.moving, p.seen, p.restart, moves, levels, p.geometry
         )
-        return cls(prepared, moves, gains, 1.0 / np.sqrt(variance))
+        return cls(prepared, moves, gains, 1.0 / np.sqrt(variance), noise.jitter)
 
     def columns(self, increments: FloatArray, measured: bool = False) -> FloatArray:
         """Return whitened columns, shape (N, m), of increments (n, 5, m).
@@ -51,7 +53,7 @@ class Whitener:
         p = self.prepared
         out = np.empty((p.innovations, increments.shape[2]))
         mean_pass(
-            p.rotation, p.step, p.seen, p.restart, self.moves, self.gains, self.scale,
+            p.rotation, p.step, p.seen, p.restart, self.moves, self.gains, self.scale, self.jitter,
             np.ascontiguousarray(increments), p.y if measured else np.zeros_like(p.y), out,
         )  # fmt: skip
         return out
@@ -110,12 +112,10 @@ def fit_noise(
     """
     free = np.array(names)
     low, high = np.log(SMALLEST_NOISE)[free], np.log(LARGEST_NOISE)[free]
-    origin = np.log(start.vector())
+    origin = np.log(np.maximum(start.vector(), SMALLEST_NOISE))
 
     def terms(position: FloatArray) -> FloatArray:
-        full = origin.copy()
-        full[free] = position
-        noise = Noise.of(np.exp(full))
+        noise = with_levels(start, free, position)
         return np.concatenate([densities(p, noise, s) for p, s in zip(prepared, simulated, strict=True)])
 
     def prior(position: FloatArray) -> float:
@@ -146,6 +146,11 @@ def fit_noise(
         here, now = best, best_terms
         if gain < 0.1:
             break
-    full = origin.copy()
-    full[free] = here
-    return Noise.of(np.exp(full))
+    return with_levels(start, free, here)
+
+
+def with_levels(noise: Noise, free: NDArray[np.intp], logs: FloatArray) -> Noise:
+    """Return the noise with the exponentials of `logs` in the places `free`."""
+    levels = noise.vector()
+    levels[free] = np.exp(logs)
+    return Noise.of(levels)

@@ -20,8 +20,10 @@ from fsm_calib.diagnosis.likelihood.whitening import (
     WIDTH,
     advance,
     measure,
+    move_late,
     move_mean,
     restart_at,
+    states_in_use,
     transitions,
 )
 from fsm_calib.diagnosis.replay.prepared import Prepared
@@ -59,7 +61,7 @@ def prediction_windows(
     starts, ends = window_places(prepared) if places is None else places
     p = prepared
     error, spread = _predict(
-        p.dt, p.rotation, p.step, p.moving, p.seen, p.restart, noise.vector(), p.geometry,
+        p.dt, p.rotation, p.step, p.moving, p.surge, p.anew, p.seen, p.restart, noise.vector(), p.geometry,
         np.ascontiguousarray(simulated - p.step)[:, :, None], p.y, starts, ends,
     )  # fmt: skip
     floor = np.column_stack(
@@ -116,11 +118,11 @@ def _median_radius(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 @njit(cache=True)
-def _predict(dt, rotation, step, moving, seen, restart, noise, geometry, d, y, starts, ends):  # type: ignore[no-untyped-def]
+def _predict(dt, rotation, step, moving, surge, anew, seen, restart, noise, geometry, d, y, starts, ends):  # type: ignore[no-untyped-def]
     """Filter up to each start, then run on without measurements; return errors (w, 3) and their variances (w, 3)."""
     n = len(dt)
-    size = STATES if seen[:, 3].any() else 9
-    moves = transitions(dt, moving, noise, geometry)
+    size = states_in_use(seen, noise[9])
+    moves = transitions(dt, moving, surge, anew, noise, geometry)
     x, run = np.zeros((STATES, 1)), np.zeros((STATES, 1))
     p, q, room = np.zeros((STATES, WIDTH)), np.zeros((STATES, WIDTH)), np.zeros((STATES, WIDTH))
     ph, gain = np.zeros(WIDTH), np.zeros(STATES)
@@ -132,6 +134,7 @@ def _predict(dt, rotation, step, moving, seen, restart, noise, geometry, d, y, s
             restart_at(p, moving[k], noise)
         else:
             move_mean(x, d[k], moves[k], rotation[k], step[k], 1)
+            move_late(x, moves[k], rotation[k], 1)
             advance(p, room, dt[k], rotation[k], step[k], moving[k], moves[k], noise, geometry, size)
         for m in range(5):
             if not seen[k, m]:
@@ -145,6 +148,7 @@ def _predict(dt, rotation, step, moving, seen, restart, noise, geometry, d, y, s
             q[:] = p
             for i in range(k + 1, ends[w] + 1):
                 move_mean(run, d[i], moves[i], rotation[i], step[i], 1)
+                move_late(run, moves[i], rotation[i], 1)
                 advance(q, room, dt[i], rotation[i], step[i], moving[i], moves[i], noise, geometry, size)
             for m in range(3):
                 error[w, m] = y[ends[w], m] - run[m, 0] - run[m + 6, 0]

@@ -10,6 +10,7 @@ import numpy as np
 from fsm_calib.diagnosis.replay.heading_reckoned import headed_by_wheels
 from fsm_calib.diagnosis.replay.heading_unwrap import unwound
 from fsm_calib.diagnosis.replay.kinematics import dead_reckon
+from fsm_calib.diagnosis.replay.lateness import heard_anew, speed_changes
 from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
 from fsm_calib.diagnosis.replay.smoothing import SmoothTrack, lone_spikes, smooth_track
 from fsm_calib.diagnosis.replay.wheels import wheels_of
@@ -53,6 +54,7 @@ class Prepared:
     wheels : (n, 2) reference wheel angles [rad]. rotation : (n, 2) cos, sin of the reference's turn since the
     event before; step : (n, 5) reference increments (forward, left [m], turn, wheels [rad]). seen : (n, 5) bool;
     y : (n, 5) measured - reference in the body frame; restart : (n,) bool; moving : (n,) in [0, 1].
+    surge : (n, 2) `speed_changes`; anew : (n,) `heard_anew`.
     track : the smoothed path at a fine grid, exogenous to every fit. geometry : half axle length, wheel radius [m],
     frame interval [s].
     """
@@ -70,6 +72,8 @@ class Prepared:
     y: FloatArray
     restart: np.ndarray
     moving: FloatArray
+    surge: FloatArray
+    anew: np.ndarray
     geometry: FloatArray
     settings: Settings = field(default=DEFAULT_SETTINGS)
 
@@ -174,7 +178,7 @@ def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prep
     y = np.zeros((len(time), 5))
     y[at_pose, :3] = _in_frame(reference[at_pose], np.column_stack([poses.x, poses.y, poses.theta]))
     dt = np.diff(time, prepend=time[0])
-    radius = recording.robot.wheel_radius or NOMINAL_RADIUS
+    radius, frame = recording.robot.wheel_radius or NOMINAL_RADIUS, float(np.median(np.diff(poses.time)))
     return Prepared(
         name=recording.source or recording.robot.name,
         recording=recording,
@@ -189,7 +193,9 @@ def prepare(recording: Recording, settings: Settings = DEFAULT_SETTINGS) -> Prep
         y=y,
         restart=_restarts(time, poses.time, leap, recording, settings, in_motion),
         moving=moving,
-        geometry=np.array([axle / 2.0, radius, float(np.median(np.diff(poses.time)))]),
+        surge=speed_changes(track, picked),
+        anew=heard_anew(recording, time, frame),
+        geometry=np.array([axle / 2.0, radius, frame]),
         settings=settings,
     )
 
@@ -317,6 +323,7 @@ def expected(recording: Recording, rates: FloatArray, settings: Settings = DEFAU
     reference = np.column_stack([track.x, track.y, track.theta])
     moving = _coming_to_rest(track.time, _moving(smooth, picked, axle, settings))
     dt = np.diff(track.time, prepend=track.time[0])
+    frame = float(np.median(dt[1:]))
     seen = np.zeros((len(track), 5), dtype=bool)
     seen[:, :3] = True
     return Prepared(
@@ -333,8 +340,8 @@ def expected(recording: Recording, rates: FloatArray, settings: Settings = DEFAU
         y=np.zeros((len(track), 5)),
         restart=np.arange(len(track)) == 0,
         moving=moving,
-        geometry=np.array(
-            [axle / 2.0, recording.robot.wheel_radius or NOMINAL_RADIUS, float(np.median(dt[1:]))]
-        ),
+        surge=speed_changes(smooth, picked),
+        anew=heard_anew(recording, track.time, frame),
+        geometry=np.array([axle / 2.0, recording.robot.wheel_radius or NOMINAL_RADIUS, frame]),
         settings=settings,
     )

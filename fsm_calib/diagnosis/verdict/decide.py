@@ -27,6 +27,7 @@ from fsm_calib.diagnosis.verdict.cross_examined import supports_of
 from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.diagnosis.verdict.model import Model, bare_model
 from fsm_calib.diagnosis.verdict.posterior import Belief, belief_of
+from fsm_calib.diagnosis.verdict.punctual import likelier_if_punctual, ranked_if_punctual
 from fsm_calib.diagnosis.verdict.refined import refined
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.world2d.effects import Effect
@@ -112,11 +113,13 @@ class Judge:
         with self.part("catalogue"):
             bank = Bank.on(self.engine, base, distinct=selector.distinct)
             ranking = selector.first_ranked(bank)
-        found = (base, tuple(ranking), location, bank)
+            selector, bank, ranking = ranked_if_punctual(selector, bank, ranking)
+        found = (selector.base, tuple(ranking), location, bank)
         if not ranking or ranking[0].evidence < gates.detect:
             return self._without_name(*found)
         with self.part("further effects"):
-            selection = selector.best_grown(ranking)
+            selector, selection = likelier_if_punctual(selector, selector.best_grown(ranking))
+        found = (selector.base, *found[1:])
         model = self._weighed(selection)
         with self.part("refinements"):
             model = refined(self.engine, model, gates.detect)

@@ -98,6 +98,19 @@ class Selector:
         first = self._in_every_recording(ranking[0])
         return self._grown_on(Selection((first,), first.fit, (tuple(ranking),), (self.base,)))
 
+    def grown_from(
+        self, effects: tuple[Ranked, ...], fit: Fit, rankings: tuple[tuple[Ranked, ...], ...]
+    ) -> Selection:
+        """Return the selection that grows from effects that are fitted already, less those that are not missed.
+
+        All others are asked, whatever is left for them: what they would explain may have been noise so far.
+        """
+        bare = self._pruned(effects, fit, rankings, self.needed)
+        further = self._beside(bare) if len(bare.effects) < self.most else []
+        larger = self._with_one_more(bare, self._bank_on(bare), further)
+        grown = self._grown_on(larger or bare)
+        return self.weighed(grown, self._wanted(grown))
+
     def _in_every_recording(self, ranked: Ranked) -> Ranked:
         """Return an event with what happened of its kind in the other recordings; other effects as they are."""
         event = ranked.hypothesis
