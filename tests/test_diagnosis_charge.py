@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis_robots import GAIN_LEFT, GAIN_RIGHT, recording
+from diagnosis_robots import GAIN_LEFT, GAIN_RIGHT, judged, recording
 
 from fsm_calib.diagnosis.candidates.charge import charges_told
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
@@ -96,3 +96,11 @@ def test_the_next_drive_is_designed_for_a_robot_without_a_charge_of_its_own():
     belief = belief_of(diagnose([charged(0, 1.0), charged(1, 0.93), charged(2, 1.04)]).decision)
     assert all(len(set(h.places)) == len(h.places) for h in belief.hypotheses)
     assert np.all(np.isfinite(belief.hypotheses[0].covariance))
+
+
+def test_motors_that_grow_stronger_as_they_are_driven_have_no_battery_that_charges():
+    """Grease that thins: a cell whose voltage rose with the charge drawn from it would do as well for a while."""
+    warm = {"motor_warmup__change_left": 0.08, "motor_warmup__change_right": 0.08, "motor_warmup__effort": 30.0}
+    decision = judged(("battery_sag", "motor_warmup"), **warm)
+    assert [belief.name for belief in decision.named] == ["motor_warmup"]
+    assert [r.name for r in decision.ranking if r.evidence > 0.0] == ["motor_warmup"]

@@ -5,7 +5,9 @@ r"""The supply sags: with the charge that was drawn, at once with the load, and 
 
 T [m/s] no-load rim speed, K [m/s] gain, u [1] commands, Q [s] seconds of full command drawn by both motors since the
 start of the recording, per_charge [1/s], per_load [1], polarised [1] with its time constant relaxation [s]. Both wheels
-alike. Source: Thevenin cell with one RC branch, e.g. Plett, Battery Management Systems I, 2015, sections 2.2 and 2.3.
+alike. None of the three is negative, as no cell gains by what is drawn from it: motors that grow stronger as they are
+driven have grease that thins (`motor_warmup`). Source: Thevenin cell with one RC branch, e.g. Plett, Battery
+Management Systems I, 2015, sections 2.2 and 2.3.
 """
 
 from __future__ import annotations
@@ -43,16 +45,14 @@ EFFECT = Effect(
             "beta",
             "1/s",
             0.0,
-            -0.002,
+            0.0,
             0.02,
             0.004,
             "3 to 10 % in a run of some minutes",
             starts=(0.004,),
         ),
-        Parameter("per_load", "rho", "1", 0.0, -0.1, 0.3, 0.03, "1 to 5 % at full load", starts=(0.05,)),
-        Parameter(
-            "polarised", "rho_R", "1", 0.0, -0.1, 0.3, 0.0, "as much again as per_load", starts=(0.05,)
-        ),
+        Parameter("per_load", "rho", "1", 0.0, 0.0, 0.3, 0.03, "1 to 5 % at full load", starts=(0.05,)),
+        Parameter("polarised", "rho_R", "1", 0.0, 0.0, 0.3, 0.0, "as much again as per_load", starts=(0.05,)),
         Parameter(
             "relaxation",
             "tau_R",
