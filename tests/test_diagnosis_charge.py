@@ -100,7 +100,11 @@ def test_the_next_drive_is_designed_for_a_robot_without_a_charge_of_its_own():
 
 def test_motors_that_grow_stronger_as_they_are_driven_have_no_battery_that_charges():
     """Grease that thins: a cell whose voltage rose with the charge drawn from it would do as well for a while."""
-    warm = {"motor_warmup__change_left": 0.08, "motor_warmup__change_right": 0.08, "motor_warmup__effort": 30.0}
+    warm = {
+        "motor_warmup__change_left": 0.08,
+        "motor_warmup__change_right": 0.08,
+        "motor_warmup__effort": 30.0,
+    }
     decision = judged(("battery_sag", "motor_warmup"), **warm)
     assert [belief.name for belief in decision.named] == ["motor_warmup"]
     assert [r.name for r in decision.ranking if r.evidence > 0.0] == ["motor_warmup"]

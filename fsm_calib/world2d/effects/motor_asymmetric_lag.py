@@ -2,13 +2,16 @@ r"""Slowing down takes another time than speeding up.
 
     F = D (T - w) a,    a = 1 where the motor drives, a = 1 / ratio where it brakes ((T - w) w < 0)
     T' = (T_command - T) / tau,    tau = rise where the command's size grows, fall where it shrinks or turns over
+    |T'| <= 1 / ramp,    ramp = ramp_up where the size grows, ramp_down where it shrinks or turns over
 
 F [N] at the rim, D [N s/m], T no-load and w actual rim speed [m/s]; ratio [1] = time constant of slowing down
 over that of speeding up: above 1 for a driver that lets the motor coast, below 1 for one that shorts it. It may
 be one motor's alone (r_l, r_r). The change is spread over 1 cm/s around standstill and no-load. A driver may instead
 let its output follow the command with a time constant upwards (rise [s]) or downwards (fall [s]): then the motor's
-own lag comes on top. Sources: H-bridge decay modes, e.g. TI DRV8833 data sheet, section 7.3.2; acceleration and
-deceleration ramps, e.g. Roboteq Controllers User Manual v2.1, "Acceleration and Deceleration".
+own lag comes on top. Or it limits by how much the output may change in a second: ramp [s2/m] is the time for each
+m/s, of both motors or of the one that ramp_side tells. Sources: H-bridge decay modes, e.g. TI DRV8833 data sheet,
+section 7.3.2; acceleration and deceleration ramps, e.g. Roboteq Controllers User Manual v2.1, "Acceleration and
+Deceleration".
 """
 
 from __future__ import annotations
@@ -21,6 +24,8 @@ from fsm_calib.world2d.effects.effect import LEAST_DELAY, Closure, Effect, Param
 from fsm_calib.world2d.effects.wheels import of_each_wheel
 from fsm_calib.world2d.slots import DRIVE, RIM, STEP, TARGET
 
+LEAST_RAMP = 0.05
+"""Time for each m/s [s2/m]: at a small robot's 0.4 m/s no more than the base's lag is off by."""
 SOFT = 0.01
 """Speed over which driving turns into braking [m/s] (assumed)."""
 
@@ -50,10 +55,38 @@ def follow(before, wanted, rise, fall, step):
 
 
 @njit(error_model="numpy")
+def towards(before, wanted, ramp, time):
+    """Return how long it takes to get from a value to another, `time` at most, and the value then; ramp [s2/m]."""
+    needed = abs(wanted - before) * ramp
+    if needed <= time:
+        return needed, wanted
+    return time, before + math.copysign(time / ramp, wanted - before)
+
+
+@njit(error_model="numpy")
+def ramped(before, wanted, up, down, step):
+    """Return a limited driver's mean output over a step [s] and its output after it: `up` and `down` [s2/m]."""
+    crosses = wanted * before < 0.0
+    shrinks = crosses or abs(wanted) < abs(before)
+    spent, value = towards(before, 0.0 if crosses else wanted, down, step) if shrinks else (0.0, before)
+    area = 0.5 * (before + value) * spent
+    if value != wanted and spent < step:
+        rising, after = towards(value, wanted, up, step - spent)
+        area += 0.5 * (value + after) * rising
+        spent, value = spent + rising, after
+    return (area + value * (step - spent)) / step, value
+
+
+@njit(error_model="numpy")
 def brake(P, o, S, m, W):
     """Let the drivers follow the commands, and scale the motors' slope where they brake."""
+    limited = P[o + 5] > 0.0 or P[o + 6] > 0.0
     for side in range(2):
-        W[TARGET + side], S[m + side] = follow(S[m + side], W[TARGET + side], P[o + 3], P[o + 4], W[STEP])
+        before, wanted = S[m + side], W[TARGET + side]
+        if limited and P[o + 7] * (2 * side - 1) >= 0.0:
+            W[TARGET + side], S[m + side] = ramped(before, wanted, P[o + 5], P[o + 6], W[STEP])
+        else:
+            W[TARGET + side], S[m + side] = follow(before, wanted, P[o + 3], P[o + 4], W[STEP])
         rim = S[RIM + side]
         against = (W[TARGET + side] - rim) * rim
         share = 0.5 - 0.5 * against / math.sqrt(against * against + SOFT**4)
@@ -64,6 +97,14 @@ def _ramp(name: str, symbol: str) -> Parameter:
     """Return a time constant of the drivers; below `LEAST_DELAY` it is no more than the base's lag is off by."""
     return Parameter(
         name, symbol, "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2), least=LEAST_DELAY
+    )  # fmt: skip
+
+
+def _limit(way: str, symbol: str) -> Parameter:
+    """Return the time that the drivers take for each m/s; nothing below what a small robot's base hides."""
+    return Parameter(
+        f"ramp_{way}", symbol, "s2/m", 0.0, 0.0, 10.0, 0.0, "limits of 0.3 to 3 m/s2", starts=(0.4, 1.5),
+        least=LEAST_RAMP,
     )  # fmt: skip
 
 
@@ -91,6 +132,22 @@ EFFECT = Effect(
         ),
         _ramp("rise", "tau_u"),
         _ramp("fall", "tau_d"),
+        _limit("up", "b_u"),
+        _limit("down", "b_d"),
+        Parameter(
+            "ramp_side",
+            "s",
+            "1",
+            0.0,
+            -1.0,
+            1.0,
+            0.0,
+            "-1 the left motor's driver, 1 the right one's, 0 both",
+            strength=False,
+            fitted=False,
+            starts=(0.0, -1.0, 1.0),
+            mirror="negate",
+        ),
     ),
     hooks={"step": brake},
     channels=("forward", "turn"),
@@ -126,6 +183,24 @@ EFFECT = Effect(
             ("fall",),
             "the driver follows a shrinking command late, a growing one at once",
             sentence="The drivers follow a shrinking command with a time constant of {fall}, a growing one at once.",
+        ),
+        Closure(
+            "limited up",
+            ("ramp_up",),
+            "the driver's output grows by so much in a second at most",
+            sentence="The drivers take {ramp_up} to let their output grow; it falls at once.",
+        ),
+        Closure(
+            "limited down",
+            ("ramp_down",),
+            "the driver's output falls by so much in a second at most",
+            sentence="The drivers take {ramp_down} to let their output fall; it grows at once.",
+        ),
+        Closure(
+            "limited both ways",
+            ("ramp_up", "ramp_down"),
+            "as an acceleration limit and a deceleration limit do",
+            sentence="The drivers take {ramp_up} to let their output grow and {ramp_down} to let it fall.",
         ),
     ),
     memory=2,
