@@ -17,6 +17,7 @@ from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
+SIDES = ("left", "right")
 DRIFTS = ("battery_sag", "motor_warmup")
 CHARGE, GAINS = (
     parameter_table().place("charge"),
@@ -108,3 +109,14 @@ def test_motors_that_grow_stronger_as_they_are_driven_have_no_battery_that_charg
     decision = judged(("battery_sag", "motor_warmup"), **warm)
     assert [belief.name for belief in decision.named] == ["motor_warmup"]
     assert [r.name for r in decision.ranking if r.evidence > 0.0] == ["motor_warmup"]
+
+
+def test_hot_windings_of_motors_that_brake_themselves_are_no_battery():
+    both = {
+        f"motor_warmup__{what}_{side}": value
+        for what, value in (("winding", 0.5), ("change", -0.08))
+        for side in SIDES
+    }
+    decision = judged(("battery_sag", "motor_warmup"), motor_warmup__effort=10.0, **both)
+    assert [belief.name for belief in decision.named] == ["motor_warmup"]
+    assert decision.model.effects[0].hypothesis.closure == "both windings, speeds too"

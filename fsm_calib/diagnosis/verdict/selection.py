@@ -27,6 +27,7 @@ from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_crossed, is_plausible, stands_out
+from fsm_calib.diagnosis.verdict.wald import wald_evidence
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
@@ -250,17 +251,18 @@ class Selector:
     def _swapped(
         self, effects: tuple[Ranked, ...], fit: Fit, rankings: Sequence[Sequence[Ranked]]
     ) -> tuple[tuple[Ranked, ...], Fit]:
-        """Ask the rivals of each earlier effect again, now that another has joined."""
+        """Ask the rivals of each earlier effect again, and its other closures, now that another has joined."""
         for i, earlier in enumerate(effects[:-1]):
             names = {e.name for e in effects}
             rivals = [r for r in rankings[min(i, len(rankings) - 1)] if r.name not in names][:RIVALS]
             rivals = [r for r in rivals if r.evidence > NEAR * earlier.evidence]
+            rivals += [earlier] if _has_closures(registry()[earlier.name]) else []
             if not rivals:
                 continue
             bank = Bank.on(self.engine, self.without(fit, earlier.name))
             for rival in rivals:
                 tried = bank.best_of(registry()[rival.name])
-                if tried is not None and tried.fit.score > fit.score + BETTER:
+                if tried is not None and evidence_of(tried.fit, fit, self.engine.count) > 2.0 * BETTER:
                     effects = (*effects[:i], replace(tried, evidence=rival.evidence), *effects[i + 1 :])
                     fit = tried.fit
         return effects, fit
@@ -295,7 +297,7 @@ class Selector:
         self, effects: Sequence[Ranked], fit: Fit, effect: Ranked, sure_from: float
     ) -> tuple[float, Fit]:
         """Return what an effect adds to the others, and the fit without it."""
-        own = _own_evidence(fit, effect.name) if sure_from < np.inf else 0.0
+        own = wald_evidence(fit, effect.name) if sure_from < np.inf else 0.0
         if own > sure_from:
             return own, fit
         less = self.without(fit, effect.name) if len(effects) > 1 else self.base
@@ -338,11 +340,6 @@ class Selector:
         )
 
 
-def _own_evidence(fit: Fit, name: str) -> float:
-    """Return what an effect seems to add by its strengths and their covariance (Wald): chi-square minus its cost."""
-    table, null = parameter_table(), parameter_table().null
-    own = [
-        i for i, s in enumerate(fit.slots) if table.owner[s.place] == name and table.entries[s.place].strength
-    ]
-    offset = fit.slot_values()[own] - null[[fit.slots[i].place for i in own]]
-    return float(offset @ np.linalg.pinv(fit.covariance[np.ix_(own, own)]) @ offset)
+def _has_closures(effect: Effect) -> bool:
+    """Return whether an effect has several equations of which another may fit better beside other effects."""
+    return not effect.scan and len(effect.competing) > 1

@@ -8,7 +8,8 @@ start of the recording, effort [s] after which 63 % of the change are done, chan
 thins (positive), windings heat (negative). idle [1]: 0 where the motor's own work heats it, 1 where what is on all
 the time does (drivers and electronics beside it); then E is the time. winding [1]: a hot winding resists more
 (copper: 0.4 % a kelvin), so that the slope D [N s/m] of the motor's torque falls while its no-load speed stays: it
-lags more, and gives way more to friction. Source: first-order thermal model of a motor,
+lags more, and gives way more to friction. What brakes the motor inside itself (brushes, bearings in grease) then lowers
+its no-load speed, too. Source: first-order thermal model of a motor,
 Hughes & Drury, Electric Motors and Drives, 5th ed., section 11.3.
 """
 
@@ -115,6 +116,13 @@ EFFECT = Effect(
             ("winding_left", "winding_right", "effort"),
             "both motors' resistances grow",
             sentence="Warming up adds {winding_left} (left) and {winding_right} (right) to the motors' resistances.",
+        ),
+        Closure(
+            "both windings, speeds too",
+            ("change_left", "change_right", "winding_left", "winding_right", "effort"),
+            "both motors' resistances grow, and what brakes them slows them down by so much more",
+            sentence="Warming up adds {winding_left} (left) and {winding_right} (right) to the motors' resistances and "
+            "changes their speeds by {change_left} and {change_right}.",
         ),
     ),
     memory=2,
