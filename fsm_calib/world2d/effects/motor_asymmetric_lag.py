@@ -24,6 +24,8 @@ from fsm_calib.world2d.effects.effect import LEAST_DELAY, Closure, Effect, Param
 from fsm_calib.world2d.effects.wheels import of_each_wheel
 from fsm_calib.world2d.slots import DRIVE, RIM, STEP, TARGET
 
+UNLIMITED = {"ramp_side": 0.0}
+"""Where no output is limited the side is told by nothing."""
 LEAST_RAMP = 0.05
 """Time for each m/s [s2/m]: at a small robot's 0.4 m/s no more than the base's lag is off by."""
 SOFT = 0.01
@@ -159,30 +161,34 @@ EFFECT = Effect(
     source="TI DRV8833 data sheet, decay modes",
     input="command",
     closures=(
-        Closure("both alike", ("ratio",), "the same in both motors"),
+        Closure("both alike", ("ratio",), "the same in both motors", fixes=UNLIMITED),
         Closure(
             "left wheel",
             ("ratio_left",),
             "of the left motor alone",
             sentence="The left motor takes {ratio_left} times as long to slow down as to speed up.",
+            fixes=UNLIMITED,
         ),
         Closure(
             "right wheel",
             ("ratio_right",),
             "of the right motor alone",
             sentence="The right motor takes {ratio_right} times as long to slow down as to speed up.",
+            fixes=UNLIMITED,
         ),
         Closure(
             "slow to rise",
             ("rise",),
             "the driver follows a growing command late, a shrinking one at once",
             sentence="The drivers follow a growing command with a time constant of {rise}, a shrinking one at once.",
+            fixes=UNLIMITED,
         ),
         Closure(
             "slow to fall",
             ("fall",),
             "the driver follows a shrinking command late, a growing one at once",
             sentence="The drivers follow a shrinking command with a time constant of {fall}, a growing one at once.",
+            fixes=UNLIMITED,
         ),
         Closure(
             "limited up",
