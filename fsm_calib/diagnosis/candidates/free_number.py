@@ -40,10 +40,9 @@ def unless_stood_in(engine: Engine, base: Fit, freed: Callable[[Fit], Fit], riva
     evidence = evidence_of(free, base, engine.count)
     if evidence < NEEDED:
         return base
-    bank = Bank.on(engine, base)
-    tried = [found for found in map(bank.best_of, rivals) if found is not None and found.evidence > evidence]
-    if not tried:
+    ranking = Bank.on(engine, base).rank(rivals)
+    if not ranking or ranking[0].evidence <= evidence:
         return free
-    rival = max(tried, key=lambda found: found.evidence).fit
+    rival = ranking[0].fit
     beside = evidence_of(freed(rival), rival, engine.count)
     return free if beside >= max(NEEDED, KEPT * evidence) else base

@@ -17,7 +17,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import have_encoders
-from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gates import Gates
 from fsm_calib.diagnosis.replay.simulator import Simulator
@@ -32,12 +32,17 @@ OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn;
 def shown_in_poses(simulators: Sequence[Simulator], gates: Gates, effects: Sequence[Effect] = ()) -> bool:
     """Return whether poses alone differ from a base robot re-fitted to them; True where they cannot be asked alone.
 
-    effects : what a number of the base robot that is set free must not stand in for.
+    effects : what a number of the base robot that is set free must not stand in for. They are asked only where the
+    robot with all such numbers free, which explains the most, leaves nothing.
     """
     if not have_encoders(simulators) or not all(s.prepared.poses.placed for s in simulators):
         return True
     engine = Engine(tuple(without_encoders(s) for s in simulators))
-    base = fit_whole_base(engine, effects)
+    return any(_leaves_something(engine, fit_whole_base(engine, asked), gates) for asked in ((), effects))
+
+
+def _leaves_something(engine: Engine, base: Fit, gates: Gates) -> bool:
+    """Return whether what a base robot leaves depends on anything."""
     if Remainder.of(engine, base).beside_of(())[0] > gates.detect:
         return True
     groups = feature_groups(situations_of(engine.simulators, base.values))
