@@ -46,6 +46,8 @@ from fsm_calib.world2d.dry_contacts import brake
 from fsm_calib.world2d.slots import (
     ANGLE,
     BASE_DRIVE,
+    CARRIED_X,
+    CARRIED_Y,
     COM_X,
     COM_Y,
     COMMAND,
@@ -148,7 +150,7 @@ def begin_step(P, W):
         W[ENGAGED + side] = 1.0
         W[GRIP + side] = P[FRICTION] * W[LOAD + side]
     W[SLIP_SPEED] = P[TYRE_SLIP]
-    W[SIDE_COMPLIANCE] = W[SIDE_DRIFT] = 0.0
+    W[SIDE_COMPLIANCE] = W[SIDE_DRIFT] = W[CARRIED_X] = W[CARRIED_Y] = 0.0
     W[FORCE_X] = W[FORCE_Y] = W[MOMENT] = W[CONTACTS] = 0.0
     for i in range(DAMP, DAMP + 6):
         W[i] = 0.0
@@ -227,7 +229,7 @@ def place_robot(S, W, v1, l1, omega1):
     """Move the centre of mass by the mean of its old and new velocity in `world`, and the axle with it; the twist
     (v1, l1, omega1) after the step is the new state's.
 
-    What the tyres drift sideways is added along the mean of the old and new heading.
+    What the tyres drift sideways is added along the mean of the old and new heading, what the floor carries as it is.
     """
     h, cx, cy, drift = W[STEP], W[COM_X], W[COM_Y], W[SIDE_DRIFT]
     v, l, omega = S[V], S[L], S[OMEGA]
@@ -238,8 +240,8 @@ def place_robot(S, W, v1, l1, omega1):
     vx, vy = v - omega * cy, l + omega * cx
     ux, uy = v1 - omega1 * cy, l1 + omega1 * cx
     next_vx, next_vy = c1 * ux - s1 * uy, s1 * ux + c1 * uy
-    mean_vx = 0.5 * (c0 * vx - s0 * vy + next_vx - (s0 + s1) * drift)
-    mean_vy = 0.5 * (s0 * vx + c0 * vy + next_vy + (c0 + c1) * drift)
+    mean_vx = 0.5 * (c0 * vx - s0 * vy + next_vx - (s0 + s1) * drift) + W[CARRIED_X]
+    mean_vy = 0.5 * (s0 * vx + c0 * vy + next_vy + (c0 + c1) * drift) + W[CARRIED_Y]
     S[X] += (c0 - c1) * cx - (s0 - s1) * cy + h * mean_vx
     S[Y] += (s0 - s1) * cx + (c0 - c1) * cy + h * mean_vy
     S[THETA] += h * mean_omega

@@ -89,7 +89,10 @@ CONTACTS, CONTACT = 64, 65
 """How many dry contacts brake the body in this step, and what is kept of them, one after the other (`dry_contacts`)."""
 MOST_CONTACTS, CONTACT_SIZE = 8, 7
 """How many there may be, and the numbers that are kept of each."""
-BENCH_SIZE = CONTACT + MOST_CONTACTS * CONTACT_SIZE
+CARRIED_X = CONTACT + MOST_CONTACTS * CONTACT_SIZE
+CARRIED_Y = CARRIED_X + 1
+"""Velocity in `world` at which the floor's surface carries the robot, without a force of its own [m/s]."""
+BENCH_SIZE = CARRIED_Y + 1
 
 # ---- constants of the world ----
 GRAVITY = 9.80665
