@@ -233,12 +233,31 @@ class Bank:
         """Fit the noise again, and the hypothesis at that noise; what has won nothing stays as it is."""
         if ranked.gain <= self._worth:
             return ranked
+        ranked = self._with_best_choice(ranked)
         fit = self.engine.refit_noise(ranked.fit, SPEED_NOISE, 2)
         known = self.parent.columns
         if fit.score > self.parent.score + FAR:
             known = jacobian(self.engine.simulators, fit.values, self.parent.slots, fit.simulated)
         fit = self.engine.fit(fit.values, fit.slots, fit.noise, known=known, steps=LAST_STEPS)
         return self._ranked(ranked.hypothesis, fit)
+
+    def _with_best_choice(self, ranked: Ranked) -> Ranked:
+        """Return the best of a fit and of those with other values of its choices, which no derivative leads to.
+
+        What a start promises chose among them so far, with phases a third of a turn apart.
+        """
+        effect, form = registry()[ranked.name], ranked.hypothesis
+        if effect.scan:
+            return ranked  # the scan has chosen
+        best = ranked
+        for choice in effect.choices:
+            full = f"{effect.name}.{choice.name}"
+            now = float(best.fit.values[0, parameter_table().place(full)])
+            for value in () if full in form.held else choice.starts:
+                if value != now:
+                    starts = self.prober.best_starts(form, declared_starts(form, {full: value}), 1)
+                    best = max([best, *(self._begun(form, start) for start in starts)], key=lambda r: r.gain)
+        return best
 
     def _ranked(self, hypothesis: Hypothesis, fit: Fit) -> Ranked:
         """Return the fit with its evidence, at the parent's point where it came out worse."""
