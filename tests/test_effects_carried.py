@@ -21,10 +21,8 @@ def test_the_robot_is_carried_by_a_share_of_its_way_and_turns_as_without():
 
 
 def test_a_robot_at_rest_is_not_carried():
-    commands, stamps = (
-        drive(np.random.default_rng(3), 0.6),
-        np.arange(0.0, 0.4, 0.02),
-    )  # the first command is at 0.5 s
+    commands = drive(np.random.default_rng(3), 0.6)
+    stamps = np.arange(0.0, 0.4, 0.02)  # the first command is at 0.5 s
     poses = predict(robot(**CARRIED), commands, stamps, START).poses
     np.testing.assert_array_equal(poses, np.tile(START, (len(stamps), 1)))
 

@@ -32,9 +32,9 @@ def with_free(engine: Engine, fit: Fit, slots: Sequence[Slot], starts: Sequence[
 def unless_stood_in(engine: Engine, base: Fit, freed: Callable[[Fit], Fit], rivals: Iterable[Effect]) -> Fit:
     """Return the base with a number free that has strong evidence, also beside the rival that explains more.
 
-    freed : what sets it free on top of a fit; rivals : effects that are asked whether one does as well by itself. Each
-    is fitted to the end: given up after two steps, a dead zone that has ten times the evidence was lost to a charge,
-    and so was a scrubbing tyre (463 for 109) whose starts, to first order, reach too little to be tried.
+    freed : what sets it free on top of a fit; rivals : effects that are asked whether one does as well by itself. They
+    are ranked as a catalogue is, none given up for the evidence of the number: so a dead zone that has ten times as
+    much was lost to a charge, and a scrubbing tyre (463 for 109) whose starts, to first order, reach too little.
     """
     free = freed(base)
     evidence = evidence_of(free, base, engine.count)

@@ -21,12 +21,22 @@ ROUNDS = 2  # of noise and numbers in turn
 
 def with_jitter(engine: Engine, base: Fit) -> Fit:
     """Return the base with a jitter of its commands where that has strong evidence."""
-    fit = replace(base, noise=replace(base.noise, jitter=START))
-    for _ in range(ROUNDS):
-        fit = engine.fit(fit.values, fit.slots, fit.noise, steps=STEPS)
-        fit = engine.refit_noise(fit, SPEED_NOISE, 4)
-    fit = engine.fit(fit.values, fit.slots, fit.noise, steps=STEPS)
+    fit = _beginning_at(engine, base, START)
     return fit if evidence_of(fit, base, engine.count) >= NEEDED else base
+
+
+def without_jitter(engine: Engine, fit: Fit) -> Fit:
+    """Return the fit for commands that are punctual: what they leave is noise of the speeds again."""
+    return _beginning_at(engine, fit, 0.0)
+
+
+def _beginning_at(engine: Engine, fit: Fit, jitter: float) -> Fit:
+    """Return the fit from a jitter [s] on, numbers and noise in turn; one of 0 stays."""
+    fit = engine.fit(fit.values, fit.slots, replace(fit.noise, jitter=jitter), steps=STEPS)
+    for _ in range(ROUNDS):
+        fit = engine.refit_noise(fit, SPEED_NOISE, 4)
+        fit = engine.fit(fit.values, fit.slots, fit.noise, steps=STEPS)
+    return fit
 
 
 def is_clear(fit: Fit) -> bool:
@@ -34,19 +44,11 @@ def is_clear(fit: Fit) -> bool:
     return fit.noise.jitter >= TOLD
 
 
-def without_jitter(engine: Engine, fit: Fit) -> Fit:
-    """Return the fit for commands that are punctual: what they leave is noise of the speeds again."""
-    fit = engine.fit(fit.values, fit.slots, replace(fit.noise, jitter=0.0), steps=STEPS)
-    for _ in range(ROUNDS):
-        fit = engine.refit_noise(fit, SPEED_NOISE, 4)
-        fit = engine.fit(fit.values, fit.slots, fit.noise, steps=STEPS)
-    return fit
-
-
 def jitter_told(fit: Fit) -> list[str]:
-    """Return a sentence where commands came clearly early or late."""
+    """Return a sentence where the robot answers as to commands that come clearly early or late."""
+    if not is_clear(fit):
+        return []
     late = 1e3 * fit.noise.jitter
-    said = (
-        f"commands came early or late by {late:.0f} ms at random: counted as noise, nothing is accused of it"
-    )
-    return [said] if is_clear(fit) else []
+    return [
+        f"the robot answers as if its commands came early or late by {late:.0f} ms at random: that is counted as noise"
+    ]

@@ -249,15 +249,15 @@ class Bank:
         effect, form = registry()[ranked.name], ranked.hypothesis
         if effect.scan:
             return ranked  # the scan has chosen
-        best = ranked
+        tried = [ranked]
         for choice in effect.choices:
             full = f"{effect.name}.{choice.name}"
-            now = float(best.fit.values[0, parameter_table().place(full)])
-            for value in () if full in form.held else choice.starts:
-                if value != now:
-                    starts = self.prober.best_starts(form, declared_starts(form, {full: value}), 1)
-                    best = max([best, *(self._begun(form, start) for start in starts)], key=lambda r: r.gain)
-        return best
+            now = float(ranked.fit.values[0, parameter_table().place(full)])
+            others = [value for value in choice.starts if value != now and full not in form.held]
+            for value in others:
+                starts = self.prober.best_starts(form, declared_starts(form, {full: value}), 1)
+                tried += [self._begun(form, start) for start in starts]
+        return max(tried, key=lambda r: r.gain)
 
     def _ranked(self, hypothesis: Hypothesis, fit: Fit) -> Ranked:
         """Return the fit with its evidence, at the parent's point where it came out worse."""

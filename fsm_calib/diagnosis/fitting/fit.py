@@ -334,7 +334,7 @@ class Engine:
     def refit_noise(self, fit: Fit, names: Sequence[int], steps: int = 3) -> Fit:
         """Return the same parameters with the likeliest noise."""
         prepared = [s.prepared for s in self.simulators]
-        free = (*names, JITTER) if fit.noise.jitter > 0.0 and JITTER not in names else tuple(names)
+        free = (*names, JITTER) if fit.noise.jitter > 0.0 else names
         noise = fit_noise(prepared, fit.simulated, fit.noise, free, steps)
         value = self.log_likelihood(self.whiteners(noise), fit.simulated)
         return replace(fit, noise=noise, log_likelihood=value) if value > fit.log_likelihood else fit

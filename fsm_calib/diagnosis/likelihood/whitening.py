@@ -2,9 +2,9 @@ r"""The likelihood's engine: a linear Kalman filter around the measured path tha
 
 State at each event (pose frame or encoder sample), relative to the smoothed measured path: position (forward,
 left) [m], heading [rad], speed errors (forward, left [m/s], turn [rad/s]), the tag's coloured error (forward, left
-[m], turn [rad]), wheel angles [rad], lateness of the last command [s]. Between events
-the position moves by (simulated - reference) increments ``d``, by the integrated speed errors, by heading error times
-distance and by lateness times the change of speed; a measurement is ``y`` = measured - reference.
+[m], turn [rad]), wheel angles [rad], lateness of the last command [s]. Between events the position moves by
+(simulated - reference) increments ``d``, by the integrated speed errors, by heading error times distance and by
+lateness times the change of speed; a measurement is ``y`` = measured - reference.
 
 The filter is linear in (d, y), and its gains depend on the noise alone. So one covariance pass serves all
 hypotheses, and residual and Jacobian columns go through the same mean pass: the exact inverse root of the
@@ -191,8 +191,8 @@ def mean_pass(rotation, step, seen, restart, moves, gains, scale, late, d, y, ou
 
     d : (n, 5, m) increments simulated - reference (forward, left [m], turn, wheel left, right [rad]) over the
     interval before each event; y : (n, 5) measured - reference, used for column 0 only (the others are
-    derivatives: the measurement does not depend on the parameters). scale : (n, 5) 1 / sqrt(S). What was not
-    seen, and what only restarts the chain, has no row.
+    derivatives: the measurement does not depend on the parameters). scale : (n, 5) 1 / sqrt(S). late : the
+    jitter of the commands [s]. What was not seen, and what only restarts the chain, has no row.
     """
     n, _, m = d.shape
     x = np.zeros((STATES, m))

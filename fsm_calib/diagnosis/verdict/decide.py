@@ -114,12 +114,11 @@ class Judge:
             bank = Bank.on(self.engine, base, distinct=selector.distinct)
             ranking = selector.first_ranked(bank)
             selector, bank, ranking = ranked_if_punctual(selector, bank, ranking)
-        found = (selector.base, tuple(ranking), location, bank)
         if not ranking or ranking[0].evidence < gates.detect:
-            return self._without_name(*found)
+            return self._without_name(selector.base, tuple(ranking), location, bank)
         with self.part("further effects"):
             selector, selection = likelier_if_punctual(selector, selector.best_grown(ranking))
-        found = (selector.base, *found[1:])
+        found = (selector.base, tuple(ranking), location, bank)
         model = self._weighed(selection)
         with self.part("refinements"):
             model = refined(self.engine, model, gates.detect)

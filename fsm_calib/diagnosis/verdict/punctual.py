@@ -19,8 +19,7 @@ def likelier_if_punctual(selector: Selector, selection: Selection) -> tuple[Sele
     """Return the selection grown on without a jitter where that is likelier, with its selector; else both as given."""
     if not is_clear(selection.fit):
         return selector, selection
-    engine = selector.engine
-    punctual = replace(selector, base=without_jitter(engine, selector.base))
+    engine, punctual = selector.engine, _for_punctual(selector)
     bare = without_jitter(engine, selection.fit)
     other = punctual.grown_from(selection.effects, bare, selection.rankings)
     likelier = evidence_of(other.fit, selection.fit, engine.count) > 0.0
@@ -36,10 +35,14 @@ def ranked_if_punctual(
     """
     if not is_clear(selector.base) or (ranking and ranking[0].evidence >= selector.needed):
         return selector, bank, ranking
-    engine = selector.engine
-    punctual = replace(selector, base=without_jitter(engine, selector.base))
+    engine, punctual = selector.engine, _for_punctual(selector)
     other = Bank.on(engine, punctual.base, distinct=punctual.distinct)
     found = punctual.first_ranked(other)
     if found and evidence_of(found[0].fit, selector.base, engine.count) > 0.0:
         return punctual, other, found
     return selector, bank, ranking
+
+
+def _for_punctual(selector: Selector) -> Selector:
+    """Return the selector on the base robot whose commands are punctual."""
+    return replace(selector, base=without_jitter(selector.engine, selector.base))

@@ -21,7 +21,7 @@ from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import DRIVE, RADIUS, ROLL, TARGET
 
 PACES = (1.0, 0.99, 1.01, 0.98, 1.02, 0.97, 1.03)
-"""As near as the width of the likelihood after a minute: half of the evidence is left 1 % off."""
+"""As near as the width of the likelihood after a minute: two thirds of the evidence are left 1 % off."""
 
 
 @njit(error_model="numpy")
