@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from queue import Queue
 
 import pytest
 from processes import is_alive
@@ -22,6 +23,7 @@ from ros_rig import answers, free_port, small_master, until
 from fsm_calib.errors import EmergencyStopped, LinkLost
 from fsm_calib.robots.address import RobotAddress, parse_address
 from fsm_calib.robots.guard.client import GuardClient
+from fsm_calib.robots.guard.process import Guard
 from fsm_calib.robots.guard.setup import GuardSetup
 from fsm_calib.robots.ros1.messages import BOOL, IMAGE, WHEELS, message_type
 from fsm_calib.robots.ros1.node import Node
@@ -149,6 +151,44 @@ def test_the_wheels_stop_when_the_guard_gets_a_signal(
     rig: tuple[Driver, str], number: signal.Signals
 ) -> None:
     assert is_in_time(*rig, lambda program: os.kill(program.guard, number), told="LinkLost")
+
+
+class Told:
+    """A guard's outlet that notes when it sends, among what the guard tells."""
+
+    def __init__(self) -> None:
+        self.order: list[str] = []
+
+    def send(self, command: WheelCommand) -> None:
+        self.order.append("sent")
+
+    def tell(self, line: dict) -> None:
+        if "alive" in line:
+            self.order.append("told")
+
+
+@pytest.mark.parametrize(("command", "order"), [(0.3, ["told", "sent"]), (0.0, ["sent", "told"])])
+def test_a_guard_that_is_halted_between_telling_and_sending_counts_as_one_that_turns_the_wheels(
+    monkeypatch: pytest.MonkeyPatch, command: float, order: list[str]
+) -> None:
+    outlet = Told()
+    monkeypatch.setattr("fsm_calib.robots.guard.process.tell", outlet.tell)
+    guard = Guard(GuardSetup(parse_address("ros1://127.0.0.1:1/duckie")), outlet, Queue())
+    guard.take(("line", ["hold", command, command]), 0.0)
+    guard.send(0.0)
+    assert outlet.order == order
+
+
+def test_a_program_that_drives_is_told_that_its_guard_was_halted_while_the_wheels_stood(
+    rig: tuple[Driver, str],
+) -> None:
+    address = parse_address(rig[1].replace("http", "ros1") + "duckie")
+    guard = GuardClient(GuardSetup(address), lambda: None)
+    os.kill(guard.pid, signal.SIGSTOP)
+    guard.send("hold", 0.3, 0.3)
+    with pytest.raises(LinkLost, match="hangs"):
+        guard.rest(60.0)
+    guard.close()
 
 
 def test_the_wheels_stop_when_a_robot_whose_guard_has_died_is_closed_at_once(rig: tuple[Driver, str]) -> None:

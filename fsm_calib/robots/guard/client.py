@@ -18,6 +18,8 @@ from fsm_calib.robots.guard.setup import GuardSetup
 
 START = 60.0
 """Longest wait for the guard to be ready [s]."""
+PUSHES = {"hold": slice(1, 3), "run": slice(2, 4)}
+"""Lines that ask for wheel commands, and where in them the two stand."""
 DEAD_CURE = "The wheels were put to zero without it. Look at the robot, then go on."
 
 
@@ -41,7 +43,7 @@ class GuardClient:
         self._lockstep, self._on_dead, self._quiet = setup.lockstep, on_dead, setup.settings.quiet
         self._changed = threading.Condition()
         self._done = self._number = 0
-        self._up = self._closed = False
+        self._up = self._closed = self._asked = False
         self.stopped: RobotLost | None = None
         self.pose = [setup.start.x, setup.start.y, setup.start.theta]
         self.said: dict[str, Any] = {}
@@ -87,6 +89,7 @@ class GuardClient:
         with self._changed:
             self._spoke = time.monotonic()
             self.said |= line
+            self._asked &= not (self._turns or "done" in line)
             if "pose" in line:
                 self._move(line["pose"])
             self._up |= "up" in line
@@ -112,17 +115,29 @@ class GuardClient:
     def _watch(self) -> None:
         """Put the wheels to zero when the guard hangs; it is ended, so that it cannot wake and go on.
 
-        It speaks at every command that it sends, 20 times a second; as long as the program may, it may be silent.
+        It speaks at every command that it sends, 20 times a second; as long as the program may, it may be silent. A
+        push that it was asked for counts as one that turns the wheels: whether it was sent, a halted guard cannot say.
         """
         while not self._closed and self._process.poll() is None:
             time.sleep(0.02)
-            turning = self.said.get("left") or self.said.get("right")
-            if turning and time.monotonic() - self._spoke > self._quiet:
+            if (self._asked or self._turns) and time.monotonic() - self._spoke > self._quiet:
                 self._on_dead()
                 with self._changed:
                     self._fail(LinkLost("The guard of the wheels hangs", cure=DEAD_CURE))
                 self._process.kill()
                 return
+
+    @property
+    def _turns(self) -> bool:
+        """Whether the guard last said that the wheels turn."""
+        return bool(self.said.get("left") or self.said.get("right"))
+
+    def _ask_for(self, push: bool) -> None:
+        """Note that a push is asked for: from then on the guard of wheels that stand may not be silent."""
+        with self._changed:
+            if push and not (self._asked or self._turns):
+                self._spoke = time.monotonic()
+            self._asked = push
 
     def send(self, *line: Any) -> None:
         """Send a line.
@@ -133,6 +148,8 @@ class GuardClient:
             The guard has stopped the wheels, or is gone.
         """
         self.check()
+        if line[0] in PUSHES:
+            self._ask_for(any(line[PUSHES[line[0]]]))
         try:
             stream = self._process.stdin
             if stream is not None:

@@ -3,8 +3,8 @@
 Lines of JSON on standard input: ``["hold", left, right]``, ``["run", number, left, right, seconds]``, ``["beat"]``, and
 in lockstep ``["wait", number, seconds, look]``. The end of the input, silence while the wheels turn, a stop, a lost
 link and a foreign command all end with zero on the wheels. Lines on standard output: ``{"up": true}``, ``{"alive":
-time, "pose": [x, y, theta], "left", "right"}`` at every command sent, ``{"done": number}``, ``{"stopped": [kind,
-problem, cure]}``.
+time, "pose": [x, y, theta], "left", "right"}`` at every command sent (before a push, after zero), ``{"done":
+number}``, ``{"stopped": [kind, problem, cure]}``.
 """
 
 from __future__ import annotations
@@ -91,14 +91,26 @@ class Guard:
         self.rules.reckoned(pose.x - self._start.x, pose.y - self._start.y)
 
     def send(self, now: float) -> None:
-        """Send what the rules decide, and tell the program."""
+        """Send what the rules decide, and tell the program.
+
+        Where the guard is halted between the two, the program must take the wheels for turning: it is told of a push
+        before the push is sent, and of zero after.
+        """
         over = self.rules.is_over(now)
         command = self.rules.decide(now)
-        self.outlet.send(command)
         pose = self.reckoning.pose
-        tell(
-            {"alive": now, "pose": [pose.x, pose.y, pose.theta], "left": command.left, "right": command.right}
-        )
+        said = {
+            "alive": now,
+            "pose": [pose.x, pose.y, pose.theta],
+            "left": command.left,
+            "right": command.right,
+        }
+        if command == STOP:
+            self.outlet.send(command)
+            tell(said)
+        else:
+            tell(said)
+            self.outlet.send(command)
         if over and self.running is not None:
             tell({"done": self.running})
             self.running = None
