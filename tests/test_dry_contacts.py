@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fsm_calib.world2d.dry_contacts import slowed
-from fsm_calib.world2d.parameters import parameters
+from fsm_calib.world2d.parameters import parameter_table, parameters
 from fsm_calib.world2d.rollout import Drive, simulate
 
 SECONDS = np.arange(0.0, 3.0, 0.005)
@@ -63,6 +63,23 @@ def test_a_caster_drags_against_the_motion_of_its_pivot():
     poses = driven(-0.3, 0.3, caster_drag__drag=0.5)
     assert np.hypot(poses[-1, 0], poses[-1, 1]) < 0.02
     assert poses[-1, 2] < driven(-0.3, 0.3)[-1, 2]
+
+
+def test_rolling_resistance_of_wheels_without_play_is_the_motors_friction_by_another_name():
+    radius = parameters({})[parameter_table().place("wheel_radius_left")]
+    tyres = driven(0.4, 0.3, coulomb_friction__rolling=0.2)
+    motors = driven(0.4, 0.3, coulomb_friction__friction=0.2 * radius)
+    assert tyres == pytest.approx(motors, abs=2e-3)
+    assert np.hypot(*(tyres - driven(0.4, 0.3))[-1, :2]) > 0.03
+
+
+def test_rolling_resistance_goes_on_where_the_gears_play():
+    """Teeth that are apart leave the body alone with it: m dv/dt = 2 F_r, to the step in which they meet again."""
+    play = {"gear_backlash.gap": 1.5, "coulomb_friction.rolling": 0.05}
+    numbers, table = parameters(play), parameter_table()
+    drive = Drive(np.array([0.0]), np.array([0.0]), np.array([0.0]))
+    speed = simulate(numbers, drive, SECONDS[:20], (0.0, 0.0, 0.0, -0.3, 0.0, 0.0))[:, 3]
+    assert np.diff(speed[3:15]) / 0.005 == pytest.approx(2.0 * 0.05 / numbers[table.place("mass")], rel=1e-6)
 
 
 @pytest.mark.parametrize("creep", [0.0, 1e-3, 0.2])

@@ -55,6 +55,12 @@ def add_dry_point(W, px, py, size):
 
 
 @njit(**ARITHMETIC)
+def add_dry_way(W, px, py, dx, dy, size):
+    """Add dry friction of `size` [N] at the point (px, py) [m] along the unit vector (dx, dy) of `base` alone."""
+    add_contact(W, size, dx, dy, px * dy - py * dx, 0.0)
+
+
+@njit(**ARITHMETIC)
 def add_dry_moment(W, size, rate):
     """Add a dry moment of `size` [N m] against turning; below `rate` [rad/s] it acts as a damper."""
     add_contact(W, size, 0.0, 0.0, 1.0, rate)

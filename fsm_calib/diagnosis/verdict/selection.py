@@ -27,6 +27,7 @@ from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_crossed, is_plausible, stands_out
+from fsm_calib.diagnosis.verdict.swapped import swapped
 from fsm_calib.diagnosis.verdict.wald import wald_evidence
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
 from fsm_calib.world2d.effects import Effect, registry
@@ -34,10 +35,7 @@ from fsm_calib.world2d.parameters import parameter_table
 
 POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
 POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
-BETTER = 3.0  # log-likelihood units that make another optimum worth a look
 BEAM = 2  # other first effects that are given company of their own
-RIVALS = 2  # of an earlier effect, asked again beside a new one
-NEAR = 0.4  # of its evidence: a rival that had less does not take its place
 SURELY_NEEDED = 8.0  # times the evidence wanted, by its own deviation: an effect that is not taken out to see
 
 Progress = Callable[[str], None]
@@ -213,7 +211,7 @@ class Selector:
         late pose) may not find the way back.
         """
         values = taken_over(switched_off(fit.values, [name]), rival.name, rival.fit.values)
-        moved = self._with_noise(self.engine.fit(values, rival.fit.slots, fit.noise))
+        moved = self.with_noise(self.engine.fit(values, rival.fit.slots, fit.noise))
         if moved.score <= rival.fit.score:
             return rival
         won = moved.score - rival.fit.score
@@ -232,7 +230,8 @@ class Selector:
         if not found or found[0].evidence < wanted:
             return None
         joining = self._in_every_recording(found[0])
-        effects, fit = self._swapped((*selection.effects, joining), joining.fit, rankings)
+        joined = (*selection.effects, joining)
+        effects, fit = swapped(self, joined, joining.fit, rankings)
         return self._pruned(effects, fit, rankings, wanted, SURELY_NEEDED * wanted)
 
     def _wanted(self, selection: Selection) -> float:
@@ -247,25 +246,6 @@ class Selector:
     def _beside(self, selection: Selection) -> list[Effect]:
         named = {e.name for e in selection.effects}
         return [e for e in self.catalogue if e.name not in named]
-
-    def _swapped(
-        self, effects: tuple[Ranked, ...], fit: Fit, rankings: Sequence[Sequence[Ranked]]
-    ) -> tuple[tuple[Ranked, ...], Fit]:
-        """Ask the rivals of each earlier effect again, and its other closures, now that another has joined."""
-        for i, earlier in enumerate(effects[:-1]):
-            names = {e.name for e in effects}
-            rivals = [r for r in rankings[min(i, len(rankings) - 1)] if r.name not in names][:RIVALS]
-            rivals = [r for r in rivals if r.evidence > NEAR * earlier.evidence]
-            rivals += [earlier] if _has_closures(registry()[earlier.name]) else []
-            if not rivals:
-                continue
-            bank = Bank.on(self.engine, self.without(fit, earlier.name))
-            for rival in rivals:
-                tried = bank.best_of(registry()[rival.name])
-                if tried is not None and evidence_of(tried.fit, fit, self.engine.count) > 2.0 * BETTER:
-                    effects = (*effects[:i], replace(tried, evidence=rival.evidence), *effects[i + 1 :])
-                    fit = tried.fit
-        return effects, fit
 
     def _pruned(
         self,
@@ -313,9 +293,9 @@ class Selector:
         kept = [i for i, s in enumerate(fit.slots) if table.owner[s.place] != name]
         known = tuple(columns[:, :, kept] for columns in fit.columns)
         slots = [fit.slots[i] for i in kept]
-        return self._with_noise(engine.fit(switched_off(fit.values, [name]), slots, fit.noise, known=known))
+        return self.with_noise(engine.fit(switched_off(fit.values, [name]), slots, fit.noise, known=known))
 
-    def _with_noise(self, fit: Fit) -> Fit:
+    def with_noise(self, fit: Fit) -> Fit:
         """Return a fit with its noise fitted again, and itself at that noise."""
         fit = self.engine.refit_noise(fit, SPEED_NOISE, 3)
         return self.engine.fit(fit.values, fit.slots, fit.noise, steps=6)
@@ -338,8 +318,3 @@ class Selector:
         return polished(
             self.engine, sought if is_crossed(sought, self.engine.simulators) else ranked, parent, names
         )
-
-
-def _has_closures(effect: Effect) -> bool:
-    """Return whether an effect has several equations of which another may fit better beside other effects."""
-    return not effect.scan and len(effect.competing) > 1

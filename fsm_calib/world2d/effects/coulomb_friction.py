@@ -3,11 +3,15 @@ r"""Dry friction in motor and gearbox: a torque that always opposes the wheel's 
     R F = tau_motor - tau_c sgn(w)            w != 0
     w = 0                                     |tau_motor - R F_tyre| <= tau_c
     tau_c + tau_s exp(-|w| / w_s)             with a Stribeck part: more at small speeds
+    F_r sgn(v_i)                              of a tyre that rolls hard, against the wheel's way over the floor
 
 tau_c [N m] friction torque of one wheel: friction, plus or minus half the difference for left and right; tau_s
 [N m] what it takes beyond that to break away, w_s [m/s] the Stribeck speed; R [m] wheel radius, w [m/s] rim
-speed, F [N] force at the rim. Sources: Armstrong-Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083,
-section 2; Park, Lee & Kuipers, ICRA 2017 (dry friction of a small differential drive).
+speed, F [N] force at the rim; F_r [N] rolling resistance of one wheel, v_i [m/s] the ground's speed at it. Where gears
+have no play the two are hardly told apart; while the teeth are apart the motor's friction stops and the tyre's goes on.
+Sources: Armstrong-Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083, section 2; Park, Lee & Kuipers, ICRA
+2017 (dry friction of a small differential drive); Wong, Theory of Ground Vehicles, 4th ed. 2008, section 1.2 (rolling
+resistance).
 """
 
 from __future__ import annotations
@@ -17,7 +21,8 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.slots import DRY, RADIUS, RIM
+from fsm_calib.world2d.forces import add_dry_way
+from fsm_calib.world2d.slots import DRY, HALF_AXLE, RADIUS, RIM
 
 STRIBECK = 0.1
 """Rim speed over which the breakaway part fades [m/s] (Armstrong-Helouvry et al. 1994: 0.01 to 0.1)."""
@@ -31,6 +36,9 @@ def resist(P, o, S, m, W):
         if P[o + 2] != 0.0:
             torque += P[o + 2] * math.exp(-abs(S[RIM + side]) / STRIBECK)
         W[DRY + side] += torque / W[RADIUS + side]
+        if P[o + 3] != 0.0:
+            arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
+            add_dry_way(W, 0.0, arm, 1.0, 0.0, P[o + 3])
 
 
 EFFECT = Effect(
@@ -54,6 +62,17 @@ EFFECT = Effect(
             "difference", "delta_tau", "N m", 0.0, -0.1, 0.1, 0.004, "left more than right", mirror="negate"
         ),
         Parameter("breakaway", "tau_s", "N m", 0.0, 0.0, 0.1, 0.0, "as much again as tau_c", starts=(0.006,)),
+        Parameter(
+            "rolling",
+            "F_r",
+            "N",
+            0.0,
+            0.0,
+            2.0,
+            0.0,
+            "0.5 to 2 % of the load, more on carpet",
+            starts=(0.05,),
+        ),
     ),
     hooks={"step": resist},
     channels=("forward", "turn"),
@@ -72,6 +91,12 @@ EFFECT = Effect(
             ("friction", "breakaway"),
             "more at small speeds",
             sentence="Dry friction takes {friction} from each motor and {breakaway} more near standstill.",
+        ),
+        Closure(
+            "rolling",
+            ("rolling",),
+            "of the tyres, which roll hard, whether the gears push them or not",
+            sentence="Each wheel rolls with a resistance of {rolling}.",
         ),
     ),
     order=70,

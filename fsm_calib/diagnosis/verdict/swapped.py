@@ -1,0 +1,109 @@
+"""Earlier effects asked again when another has joined: whether a rival does better beside it, or another closure.
+
+What led alone may have stood in for a sum. A rival that joins later stands beside what it would have replaced, often
+with another equation than it would have there: so it is tried in the earlier one's place alone, too. (A robot's rolling
+resistance was a dragging caster with a little dry friction of the motors beside it: 131 log units less than the
+resistance alone.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.world2d.effects import Effect, registry
+
+RIVALS = 2  # of an earlier effect, asked again beside a new one
+NEAR = 0.4  # of its evidence: a rival that had less does not take its place
+BETTER = 3.0  # log-likelihood units that make another optimum worth a look
+
+
+class Fitting(Protocol):
+    """What fits the models of one robot."""
+
+    @property
+    def engine(self) -> Engine:
+        """Of its recordings."""
+        ...
+
+    def without(self, fit: Fit, name: str) -> Fit:
+        """Return the fit without one of its effects, everything else and the noise fitted again."""
+        ...
+
+    def with_noise(self, fit: Fit) -> Fit:
+        """Return a fit with its noise fitted again, and itself at that noise."""
+        ...
+
+
+def swapped(
+    fitting: Fitting,
+    effects: tuple[Ranked, ...],
+    fit: Fit,
+    rankings: Sequence[Sequence[Ranked]],
+) -> tuple[tuple[Ranked, ...], Fit]:
+    """Return the effects, the last of which has just joined, and their fit with the rivals that do better.
+
+    rankings : what each round found, the rivals of the effect that won it.
+    """
+    for earlier in effects[:-1]:
+        place = next((i for i, e in enumerate(effects) if e is earlier), None)
+        if place is None:
+            continue
+        near = [r for r in rankings[min(place, len(rankings) - 1)] if r.evidence > NEAR * earlier.evidence]
+        effects, fit = _with_another(fitting, effects, fit, place, near)
+        if _nearly_won(effects[-1].name, effects[place].name, rankings):
+            effects, fit = _moved_up(fitting, effects, fit, place)
+    return effects, fit
+
+
+def _with_another(
+    fitting: Fitting,
+    effects: tuple[Ranked, ...],
+    fit: Fit,
+    place: int,
+    near: Sequence[Ranked],
+) -> tuple[tuple[Ranked, ...], Fit]:
+    """Return the effects with a rival in a place, or another closure there, where that is better."""
+    earlier, names = effects[place], {e.name for e in effects}
+    rivals = [r for r in near if r.name not in names][:RIVALS]
+    rivals += [earlier] if _has_closures(registry()[earlier.name]) else []
+    bank = Bank.on(fitting.engine, fitting.without(fit, earlier.name)) if rivals else None
+    for rival in rivals:
+        tried = bank.best_of(registry()[rival.name]) if bank is not None else None
+        if tried is not None and _is_better(fitting.engine, tried.fit, fit):
+            effects = (*effects[:place], replace(tried, evidence=rival.evidence), *effects[place + 1 :])
+            fit = tried.fit
+    return effects, fit
+
+
+def _nearly_won(name: str, winner: str, rankings: Sequence[Sequence[Ranked]]) -> bool:
+    """Return whether an effect was near in a round that `winner` won."""
+    rounds = (found for found in rankings if found and found[0].name == winner)
+    return any(r.name == name and r.evidence > NEAR * found[0].evidence for found in rounds for r in found)
+
+
+def _moved_up(
+    fitting: Fitting, effects: tuple[Ranked, ...], fit: Fit, place: int
+) -> tuple[tuple[Ranked, ...], Fit]:
+    """Return the effects with the last in an earlier one's place, where it needs no company of that one."""
+    earlier, last = effects[place], effects[-1]
+    bare = fitting.without(fitting.without(fit, earlier.name), last.name)
+    tried = Bank.on(fitting.engine, bare).best_of(registry()[last.name])
+    alone = fitting.with_noise(tried.fit) if tried is not None else None
+    if tried is None or alone is None or not _is_better(fitting.engine, alone, fit):
+        return effects, fit
+    moved = replace(tried, fit=alone, evidence=earlier.evidence)
+    return (*effects[:place], moved, *effects[place + 1 : -1]), alone
+
+
+def _is_better(engine: Engine, tried: Fit, fit: Fit) -> bool:
+    """Return whether a fit has more evidence than another, by more than optimisers differ."""
+    return evidence_of(tried, fit, engine.count) > 2.0 * BETTER
+
+
+def _has_closures(effect: Effect) -> bool:
+    """Return whether an effect has several equations of which another may fit better beside other effects."""
+    return not effect.scan and len(effect.competing) > 1

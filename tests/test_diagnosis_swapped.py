@@ -1,0 +1,30 @@
+"""An effect that joined beside its rival takes that one's place where it does the whole job alone."""
+
+import numpy as np
+from diagnosis_robots import recording
+
+from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.verdict.selection import Selector
+from fsm_calib.diagnosis.verdict.swapped import swapped
+from fsm_calib.world2d.effects import registry
+
+TRUE = {"gear_backlash__gap": 0.3, "coulomb_friction__rolling": 0.08}
+
+
+def test_rolling_resistance_takes_the_place_of_a_dragging_caster_beside_it():
+    drives = [recording(seed, **TRUE) for seed in (0, 1)]
+    engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
+    selector = Selector(engine, fit_base(engine), [], 14.0, 0.01, 4, np.random.default_rng(0))
+    play = Bank.on(engine, selector.base).best_of(registry()["gear_backlash"])
+    beside = Bank.on(engine, play.fit)
+    caster, rolling = (beside.best_of(registry()[n]) for n in ("caster_drag", "coulomb_friction"))
+    joining = Bank.on(engine, selector.with_noise(caster.fit)).best_of(registry()["coulomb_friction"])
+    rankings = ((play,), (caster, rolling), (joining,))
+    effects, fit = swapped(selector, (play, caster, joining), joining.fit, rankings)
+    assert [e.name for e in effects] == ["gear_backlash", "coulomb_friction"]
+    assert effects[1].hypothesis.closure == "rolling"
+    assert fit.score > joining.fit.score
