@@ -118,5 +118,4 @@ EFFECT = Effect(
     ),
     order=76,
     dissipative=True,
-    universal=True,
 )
