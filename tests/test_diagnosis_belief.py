@@ -105,6 +105,13 @@ def test_an_event_of_a_hundredth_of_what_others_explain_is_within_what_their_equ
     assert belief_of(small).probability < 0.6 < 0.9 < belief_of(large).probability
 
 
+def test_a_moment_that_jolts_the_robot_anyway_costs_an_event_its_log_odds() -> None:
+    quiet = support("external_push")
+    assert odds(shape_probability(replace(quiet, jolted=1.5))) == pytest.approx(
+        odds(shape_probability(quiet)) - 1.5
+    )
+
+
 def test_a_moment_that_others_equal_is_not_believed() -> None:
     stands_out, does_not = (
         belief_of(support("external_push", added=100.0, spread=95.0, share=0.1, elsewhere=e)).probability

@@ -34,7 +34,7 @@ def jumped(engine: Engine, bare: Linear, fit: Fit, effects: Sequence[str]) -> fl
     """
     evidence, whiteners = -np.inf, engine.whiteners(fit.noise)
     numbers = 0
-    for run, start in _moments(fit, effects):
+    for run, start in moments_of(fit, effects):
         events = _frames(engine.simulators[run].prepared, start)
         if not len(events):
             continue
@@ -47,7 +47,7 @@ def jumped(engine: Engine, bare: Linear, fit: Fit, effects: Sequence[str]) -> fl
     return evidence
 
 
-def _moments(fit: Fit, effects: Sequence[str]) -> list[tuple[int, float]]:
+def moments_of(fit: Fit, effects: Sequence[str]) -> list[tuple[int, float]]:
     """Return recording and start [s] of every moment that a fit of some effects has."""
     table, momentary = parameter_table(), [name for name in effects if registry()[name].when == "moment"]
     return [

@@ -17,6 +17,7 @@ from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.proof.form_test import Remainder, contest
 from fsm_calib.diagnosis.proof.gap import gap_between
+from fsm_calib.diagnosis.proof.jolts import against_patch
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
 from fsm_calib.diagnosis.verdict.posterior import belief_of
 from fsm_calib.diagnosis.verdict.selection import Selection
@@ -42,7 +43,8 @@ def supports_of(engine: Engine, selection: Selection, least: float) -> tuple[Sup
         share = adds[i] / max(sum(adds), 1.0)
         others = sum(adds[k] for k in range(len(adds)) if k != i and special[k])
         forms = contest(remainder, less, [effect.name])
-        support = Support(effect, less, added, share, (), OneLaw(math.nan, ()), forms, others)
+        jolted = against_patch(engine, selection.fit, [effect.name])
+        support = Support(effect, less, added, share, (), OneLaw(math.nan, ()), forms, others, jolted)
         if not found or belief_of(support).probability >= least:
             support = _examined(engine, selection, support)
         found.append(support)

@@ -2,12 +2,14 @@ r"""How sure is a name? It must add something, beat its rivals, and be the law t
 
     P(name) = P(added > 0) / (1 + sum_r (1 - p_r) / p_r) P(shape)            r: rivals that are beaten, and twins
     log odds of shape = SURE - DOUBT [log(1 + i left / SLIGHT) + patchy] - ANOTHER [max(replaced, 0) + max(moved, 0)]
+                        - jolted
 
 added, p_r : from the gaps in evidence over nothing and over rival r, each tempered by its own spread from second to
 second (`proof/gap.py`; a moment over nothing by what other moments promise, `Support.alone`), that over a rival also by
 a hundredth of what the name explains (EXACT: no equation is exact to less). left, replaced, moved [1] : shares of what
 the name explains that un-named forms explain beside it, or better in its place, and that is another law in each drive;
-patchy [1] : how well it could mend what is inexact in stronger effects (`verdict/support.py`). A right name whose
+patchy [1] : how well it could mend what is inexact in stronger effects (`verdict/support.py`);
+jolted [1] : an event comes where the robot is jolted most (`proof/jolts.py`). A right name whose
 equation is another than ours and a wrong neighbour differ in these shares, not in sizes. The numbers were set on opened
 development robots (`benchmarks/concealed`, `benchmarks/engine` with the mass behind the axle, `benchmarks/foreign` seed
 1), right names against names given when the true one had been taken out of the catalogue; DOUBT and SLIGHT of uneven
@@ -68,5 +70,6 @@ def shape_probability(support: Support) -> float:
         SURE
         - DOUBT * (math.log1p(support.left * support.interchangeable / SLIGHT) + support.patchy)
         - ANOTHER * (max(support.replaced, 0.0) + max(support.moved, 0.0))
+        - support.jolted
     )
     return 1.0 / (1.0 + math.exp(-max(min(log_odds, LARGEST_LOG_ODDS), -LARGEST_LOG_ODDS)))

@@ -34,7 +34,7 @@ class Support:
     effect : as it stands in the model; without : the model without it, re-fitted; added : evidence over that;
     share : of what all effects of the model add, 0 to 1; rivals : names fitted in its place, nearest first;
     law : is it one in all drives; forms : un-named forms in its place, and beside the whole model; others : what the
-    other effects add that not every robot has.
+    other effects add that not every robot has; jolted : log odds against an event where the robot is jolted most.
     """
 
     effect: Ranked
@@ -45,6 +45,7 @@ class Support:
     law: OneLaw
     forms: Contest
     others: float = 0.0
+    jolted: float = 0.0
 
     @property
     def name(self) -> str:

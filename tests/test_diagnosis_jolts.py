@@ -1,0 +1,75 @@
+"""An event in the moment that jolts the robot most is rather a patch on inexact laws than a push."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from diagnosis_robots import recording
+from scipy.integrate import quad
+
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.diagnosis.proof.jolts import _jolts, against_patch, density
+from fsm_calib.diagnosis.proof.pose_jump import AFTER, BEFORE
+from fsm_calib.diagnosis.replay.prepared import prepare
+from fsm_calib.diagnosis.replay.simulator import make_simulator
+
+NUDGE = {"external_push.impulse_x": 0.05, "external_push.impulse_y": 0.02}
+
+
+@pytest.fixture(scope="module")
+def drives():
+    engine = Engine(tuple(make_simulator(prepare(recording(seed))) for seed in (0, 1)))
+    return engine, fit_base(engine).values
+
+
+def pushed(values, *moments):
+    """Return a fit of which some recordings have a nudge: (run, start [s]) each."""
+    for run, start in moments:
+        values = with_values(values, NUDGE | {"external_push.start": start}, run)
+    return SimpleNamespace(values=values, runs_of=lambda name: [run for run, _ in moments])
+
+
+def moment(engine, values, order):
+    """Return the start [s] in the second recording, the wilder one, with the so-many-th smallest jolt."""
+    times, sizes = _jolts(engine, values, 1)
+    return float(times[np.argsort(sizes)[order]])
+
+
+def test_a_push_in_the_hardest_moment_of_the_drives_loses_its_name(drives):
+    hardest = moment(*drives, -1)
+    assert against_patch(drives[0], pushed(drives[1], (1, hardest)), ["external_push"]) > 2.0
+
+
+def test_a_push_in_a_quiet_moment_keeps_its_name(drives):
+    quiet = moment(*drives, 0)
+    assert against_patch(drives[0], pushed(drives[1], (1, quiet)), ["external_push"]) == 0.0
+
+
+def test_one_quiet_moment_of_two_is_enough(drives):
+    both = pushed(drives[1], (0, 0.1), (1, moment(*drives, -1)))
+    alone = pushed(drives[1], (1, moment(*drives, -1)))
+    assert against_patch(drives[0], both, ["external_push"]) < against_patch(
+        drives[0], alone, ["external_push"]
+    )
+
+
+def test_what_has_no_moment_is_not_asked(drives):
+    assert against_patch(drives[0], pushed(drives[1], (1, moment(*drives, -1))), ["floor_tilt"]) == 0.0
+
+
+def test_a_robot_that_stands_is_not_jolted_and_one_that_is_told_to_reverse_is(drives):
+    """Nothing but its commands moves the base robot: its jolts come within a moment of their changes."""
+    engine, values = drives
+    times, sizes = _jolts(engine, values, 1)
+    drive = engine.simulators[1].drive
+    begin = drive.time[np.flatnonzero(np.hypot(drive.left, drive.right))[0]]
+    changes = np.hypot(np.diff(drive.left), np.diff(drive.right))
+    hardest = drive.time[1 + np.flatnonzero(changes > 0.7 * changes.max())]
+    assert sizes[times < begin - AFTER] == pytest.approx(0.0, abs=1e-9)
+    assert np.abs(hardest - moment(engine, values, -1)).min() < AFTER + BEFORE
+
+
+def test_the_density_of_patches_is_one():
+    assert quad(density, 0.0, 1.0)[0] == pytest.approx(1.0, rel=1e-6)
