@@ -30,6 +30,7 @@ from fsm_calib.diagnosis.verdict.posterior import Belief, belief_of
 from fsm_calib.diagnosis.verdict.punctual import likelier_if_punctual, ranked_if_punctual
 from fsm_calib.diagnosis.verdict.refined import refined
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
+from fsm_calib.diagnosis.verdict.shares import worth_saying
 from fsm_calib.world2d.effects import Effect
 
 Progress = Callable[[str], None]
@@ -125,6 +126,7 @@ class Judge:
         named = model.named(gates.least_confidence)
         if not named:
             return self._decision("unexplained", _complaint(model), model, (), *found)
+        named = worth_saying(self.engine, selector.base, model, named)
         if _is_strongest_sure(model, gates):
             reason = "detected, adequate and useful"
         else:

@@ -10,10 +10,11 @@ from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.likelihood.noise import NOISE_NAMES
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
-from fsm_calib.diagnosis.proof.heldout import Comparison, noise_floor, squared_error
+from fsm_calib.diagnosis.proof.heldout import Comparison
 from fsm_calib.diagnosis.verdict.decide import Decision
 from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
 from fsm_calib.diagnosis.verdict.posterior import Belief
+from fsm_calib.diagnosis.verdict.shares import shares_of
 from fsm_calib.diagnosis.verdict.systematic_error import with_doubt
 from fsm_calib.diagnosis.verdict.verdict import ErrorTriple, Estimate, Located, NamedEffect, Rival, Verdict
 from fsm_calib.diagnosis.verdict.weight import weighed, weight_of
@@ -36,7 +37,7 @@ def verdict_of(
 ) -> Verdict:
     """Put a decision and its proof into the contract's values."""
     sets = ambiguous_sets(decision)
-    shares = shares_of(decision)
+    shares = shares_of(decision.engine, decision.base, decision.model)
     return Verdict(
         verdict=decision.outcome,
         effects=tuple(_named(belief, decision, shares) for belief in decision.named),
@@ -148,22 +149,6 @@ def _named(belief: Belief, decision: Decision, shares: dict[str, float]) -> Name
         belief.effect.hypothesis.closure,
         shares.get(belief.name, math.nan),
     )
-
-
-def shares_of(decision: Decision) -> dict[str, float]:
-    """Return the share of the base's error over the horizon, squared, that each effect of the model takes away.
-
-    Position and heading in units of the model's noise, means over the windows of the fitted recordings; the shares of
-    effects that stand in for each other, or hide each other, do not add up to one.
-    """
-    supports, simulators = decision.model.supports, decision.engine.simulators
-    if not supports:
-        return {}
-    unit = noise_floor(simulators, decision.model.fit)
-    before = squared_error(simulators, decision.base, unit)
-    after = squared_error(simulators, decision.model.fit, unit)
-    less = {s.name: squared_error(simulators, s.without, unit) for s in supports}
-    return {name: min(max((value - after) / max(before, 1e-12), 0.0), 1.0) for name, value in less.items()}
 
 
 def ambiguous_sets(decision: Decision) -> tuple[tuple[str, ...], ...]:

@@ -1,0 +1,41 @@
+"""How much of the error over the horizon does each effect take away, and is that worth a name?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.proof.gates import EXACT
+from fsm_calib.diagnosis.proof.heldout import noise_floor, squared_error
+from fsm_calib.diagnosis.verdict.model import Model
+from fsm_calib.diagnosis.verdict.posterior import Belief
+from fsm_calib.world2d.effects import registry
+
+
+def shares_of(engine: Engine, base: Fit, model: Model) -> dict[str, float]:
+    """Return the share of the base's error over the horizon, squared, that each effect of the model takes away.
+
+    Position and heading in units of the model's noise, means over the windows of the fitted recordings; the shares of
+    effects that stand in for each other, or hide each other, do not add up to one.
+    """
+    supports, simulators = model.supports, engine.simulators
+    if not supports:
+        return {}
+    unit = noise_floor(simulators, model.fit)
+    before = squared_error(simulators, base, unit)
+    after = squared_error(simulators, model.fit, unit)
+    less = {s.name: squared_error(simulators, s.without, unit) for s in supports}
+    return {name: min(max((value - after) / max(before, 1e-12), 0.0), 1.0) for name, value in less.items()}
+
+
+def worth_saying(engine: Engine, base: Fit, model: Model, named: Sequence[Belief]) -> tuple[Belief, ...]:
+    """Return the sure names without those of which every robot has a little, where it is too little to matter.
+
+    No equation is exact to less than a hundredth (EXACT), so that a caster's drag or a scrubbing tyre that takes less
+    of the error may be any other of its kind; it stays in the model. The first name is said whatever it takes.
+    """
+    usual = {belief.name for belief in named[1:] if registry()[belief.name].usual}
+    if not usual:
+        return tuple(named)
+    shares = shares_of(engine, base, model)
+    return tuple(b for b in named if b.name not in usual or shares.get(b.name, 1.0) >= EXACT)

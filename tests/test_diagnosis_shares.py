@@ -1,0 +1,41 @@
+"""Which sure names are worth saying: those that matter, and what is no habit of every robot."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from fsm_calib.diagnosis.proof.gates import EXACT
+from fsm_calib.diagnosis.verdict import shares
+from fsm_calib.diagnosis.verdict.shares import worth_saying
+from fsm_calib.world2d.effects import registry
+
+LITTLE, ENOUGH = 0.5 * EXACT, 2.0 * EXACT
+
+
+def said(monkeypatch: pytest.MonkeyPatch, **taken: float) -> list[str]:
+    """Return the names that are said of sure ones, strongest first, that take these shares of the error."""
+    monkeypatch.setattr(shares, "shares_of", lambda engine, base, model: taken)
+    named = [SimpleNamespace(name=name) for name in taken]
+    return [belief.name for belief in worth_saying(None, None, None, named)]  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["caster_drag", "tyre_scrub", "coulomb_friction", "payload_offset"])
+def test_what_every_robot_has_is_said_where_it_matters(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    assert said(monkeypatch, sensor_yaw=0.5, **{name: ENOUGH}) == ["sensor_yaw", name]
+    assert said(monkeypatch, sensor_yaw=0.5, **{name: LITTLE}) == ["sensor_yaw"]
+
+
+def test_a_fault_is_said_however_little_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert said(monkeypatch, payload_offset=0.5, misplaced_marker=0.0) == [
+        "payload_offset",
+        "misplaced_marker",
+    ]
+
+
+def test_the_strongest_name_is_said_whatever_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert said(monkeypatch, lateral_slip=LITTLE, tyre_scrub=LITTLE) == ["lateral_slip"]
+
+
+def test_universal_physics_and_resistances_are_what_every_robot_has() -> None:
+    usual = {name for name, effect in registry().items() if effect.usual}
+    assert usual == {"payload_offset", "coulomb_friction", "lateral_slip", "tyre_scrub", "caster_drag"}
