@@ -75,8 +75,13 @@ def with_encoders(seed, late=0.0, **changes):
     return replace(seen, wheel_angle=pair)
 
 
+def engine_of(*recordings):
+    """Return the engine that fits some recordings."""
+    return Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+
+
 def judged(names, gates=DEFAULT_GATES, **changes):
     """Return what is decided of two drives of a `robot` with `changes` by a catalogue of `names`."""
-    simulators = tuple(make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1))
+    simulators = engine_of(*(recording(seed, **changes) for seed in (0, 1))).simulators
     effects = [registry()[name] for name in names]
     return Judge(Engine(simulators), effects, gates, lambda part: None, np.random.default_rng(0)).decide()

@@ -4,17 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording, robot
+from diagnosis_robots import engine_of, recording, robot
 
 from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict.coverage import Changes, alike, coverage_of
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.world2d.effects import registry
@@ -43,7 +40,7 @@ def only_ahead(seed, duration=30.0):
 
 
 def told(drives):
-    engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
+    engine = engine_of(*drives)
     bank = Bank.on(engine, fit_base(engine))
     effects = shown_by(catalogue(), engine.simulators)
     return coverage_of([s.prepared for s in engine.simulators], bank.prober, effects, DEFAULT_GATES.detect)

@@ -4,13 +4,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis_robots import GAIN_LEFT, GAIN_RIGHT, judged, recording
+from diagnosis_robots import GAIN_LEFT, GAIN_RIGHT, engine_of, judged, recording
 
 from fsm_calib.diagnosis.candidates.charge import charges_told
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.design.belief_of import belief_of
 from fsm_calib.diagnosis.diagnose import diagnose
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.transfer import on_new_recording
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
@@ -31,7 +30,7 @@ def charged(seed, share, **changes):
 
 
 def based(*recordings, rivals=DRIFTS):
-    engine = Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+    engine = engine_of(*recordings)
     return engine, fit_whole_base(engine, [registry()[name] for name in rivals])
 
 
@@ -70,7 +69,7 @@ def test_a_charge_stands_for_a_simulation_too():
 
 def test_a_recording_that_took_no_part_is_predicted_with_the_mean_charge():
     _, fit = based(charged(0, 1.0), charged(1, 0.9))
-    alone = Engine((make_simulator(prepare(charged(3, 0.95))),))
+    alone = engine_of(charged(3, 0.95))
     assert on_new_recording(alone, fit)[0, CHARGE] == pytest.approx(0.95, abs=0.01)
 
 

@@ -2,13 +2,10 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.world2d.effects import registry
 
@@ -19,7 +16,7 @@ NAMES = ("motor_asymmetric_lag", "lateral_slip")
 def limited():
     """Return a selector and its bank for a robot with an acceleration limit and a side slip."""
     numbers = {"motor_asymmetric_lag__ramp_up": 0.6, "lateral_slip__compliance": 0.015}
-    engine = Engine(tuple(make_simulator(prepare(recording(seed, **numbers))) for seed in (0, 1)))
+    engine = engine_of(*(recording(seed, **numbers) for seed in (0, 1)))
     base = fit_base(engine)
     effects = [registry()[name] for name in NAMES]
     return Selector(engine, base, effects, 14.0, 0.02, 4, np.random.default_rng(0)), Bank.on(engine, base)

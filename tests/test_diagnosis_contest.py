@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
@@ -24,7 +24,7 @@ from fsm_calib.world2d.parameters import parameter_table
 
 
 def fitted(name, **changes):
-    engine = Engine(tuple(make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1)))
+    engine = engine_of(*(recording(seed, **changes) for seed in (0, 1)))
     base = fit_base(engine)
     (ranked,) = Bank.on(engine, base).rank([registry()[name]])
     return engine, base, polished(engine, ranked, base, noise_names(engine.simulators)).fit
@@ -73,7 +73,7 @@ def test_a_neighbour_of_the_truth_loses():
 @pytest.mark.parametrize(("delay", "has_a_form"), [(0.0015, False), (0.03, True)])
 def test_late_by_a_millisecond_is_no_form_and_late_by_thirty_is(delay, has_a_form):
     drives = [recording(seed, noise=0.1, observation_delay__delay=delay) for seed in (0, 1)]
-    engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
+    engine = engine_of(*drives)
     left = Remainder.of(engine, fit_base(engine))
     assert (left.beside > 0.0) == has_a_form
 
@@ -119,7 +119,7 @@ def test_stays_in_a_place_are_told_apart():
 
 @pytest.mark.parametrize(("radius", "holds"), [(0.03, False), (0.25, True)])
 def test_a_place_crossed_once_for_a_moment_is_none(radius, holds):
-    engine = Engine((make_simulator(prepare(recording(0, duration=12.0))),))
+    engine = engine_of(recording(0, duration=12.0))
     base = fit_base(engine)
     path = engine.simulators[0].prepared.reference
     values, corner = base.values.copy(), path[int(np.argmax(np.hypot(*(path[:, :2] - path[0, :2]).T)))]
@@ -174,7 +174,7 @@ def test_a_push_must_be_seen_by_the_poses(start, holds):
     looking = (drive.pose.time < 20.0) | (drive.pose.time > 21.0)
     channels = (drive.pose.time, drive.pose.x, drive.pose.y, drive.pose.theta)
     gapped = replace(drive, pose=PoseTrack(*(channel[looking] for channel in channels)))
-    engine = Engine((make_simulator(prepare(gapped)),))
+    engine = engine_of(gapped)
     push = at_value(fit_base(engine), "external_push", "start", start)
     assert is_seen(push, engine.simulators) is holds
 

@@ -4,16 +4,15 @@ import dataclasses
 
 import numpy as np
 import pytest
+from diagnosis_robots import engine_of
 from diagnosis_robots import recording as drive
 from wild_forms import Robot, driven
 
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.identify.yaw import identify_from_yaw_rate
 from fsm_calib.diagnosis.inputs import with_input
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.errors import DataError
 from fsm_calib.recording import RobotFacts, WheelPair
 from fsm_calib.recording.channels import YawRateTrack
@@ -24,7 +23,7 @@ from fsm_calib.world2d.parameters import parameter_table
 def fitted(recording):
     """Return the base robot's numbers by name, of a recording as a diagnosis takes it in."""
     taken = take_in([recording])
-    fit = fit_base(Engine(tuple(make_simulator(prepare(r)) for r in taken.train)))
+    fit = fit_base(engine_of(*taken.train))
     return taken, {parameter_table().names[slot.place]: value for slot, value, _ in fit.numbers()}
 
 

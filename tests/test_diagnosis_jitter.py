@@ -4,17 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import HEADING_NOISE, POSITION_NOISE, judged, recording
+from diagnosis_robots import HEADING_NOISE, POSITION_NOISE, engine_of, judged, recording
 
 from fsm_calib.diagnosis.candidates.jitter import with_jitter, without_jitter
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener
 from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict.punctual import likelier_if_punctual, ranked_if_punctual
 from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.world2d.effects import registry
@@ -22,7 +20,7 @@ from fsm_calib.world2d.effects import registry
 
 def based(**changes):
     """Return the engine of two drives with `changes` and their base robot, with a jitter where it is found."""
-    engine = Engine(tuple(make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1)))
+    engine = engine_of(*(recording(seed, **changes) for seed in (0, 1)))
     return engine, with_jitter(engine, fit_base(engine))
 
 
@@ -119,7 +117,7 @@ def test_what_is_late_stays_late_where_no_effect_does_as_much():
 
 def test_a_base_robot_that_is_called_late_for_an_effect_is_punctual():
     """A dead zone that a noise of lateness has taken is found again where the commands are held punctual."""
-    engine = Engine(tuple(make_simulator(prepare(recording(s, motor_deadband__offset=0.05))) for s in (0, 1)))
+    engine = engine_of(*(recording(s, motor_deadband__offset=0.05) for s in (0, 1)))
     punctual = fit_base(engine)
     late = replace(punctual, noise=replace(punctual.noise, jitter=0.02), log_likelihood=-1e9)
     selector = selector_on(late, engine, "motor_deadband")

@@ -4,23 +4,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 from scipy.integrate import quad
 
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.proof.jolts import _jolts, against_patch, density
 from fsm_calib.diagnosis.proof.pose_jump import AFTER, BEFORE
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 
 NUDGE = {"external_push.impulse_x": 0.05, "external_push.impulse_y": 0.02}
 
 
 @pytest.fixture(scope="module")
 def drives():
-    engine = Engine(tuple(make_simulator(prepare(recording(seed))) for seed in (0, 1)))
+    engine = engine_of(*(recording(seed) for seed in (0, 1)))
     return engine, fit_base(engine).values
 
 

@@ -2,20 +2,20 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import HEADING_NOISE, POSITION_NOISE, recording
+from diagnosis_robots import HEADING_NOISE, POSITION_NOISE, engine_of, recording
 
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine, jacobian, with_slots
+from fsm_calib.diagnosis.fitting.fit import jacobian, with_slots
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener, log_density, robust_weights
 from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator, nominal_values
+from fsm_calib.diagnosis.replay.simulator import nominal_values
 from fsm_calib.errors import DataError
 
 
 @pytest.fixture(scope="module")
 def engine():
-    return Engine(tuple(make_simulator(prepare(recording(seed))) for seed in (0, 1)))
+    return engine_of(*(recording(seed) for seed in (0, 1)))
 
 
 @pytest.fixture(scope="module")

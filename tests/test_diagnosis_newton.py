@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts, hypotheses_of, slots_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -13,8 +13,7 @@ from fsm_calib.diagnosis.fitting.newton import clipped, damped_step, normal_equa
 from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.likelihood.noise import Noise
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator, nominal_values
+from fsm_calib.diagnosis.replay.simulator import nominal_values
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table, parameters
 from fsm_calib.world2d.rollout import active_flags, simulate_many
@@ -24,7 +23,7 @@ LARGE = 1e9
 
 @pytest.fixture(scope="module")
 def engine():
-    return Engine((make_simulator(prepare(recording(5, 20.0, motor_deadband__offset=0.05))),))
+    return engine_of(recording(5, 20.0, motor_deadband__offset=0.05))
 
 
 @pytest.fixture(scope="module")

@@ -5,14 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis_robots import judged, recording
+from diagnosis_robots import engine_of, judged, recording
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.scan import scan_of
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.world2d.effects import add_effects, registry
 from fsm_calib.world2d.effects.outside import VARIABLE
 
@@ -33,7 +30,7 @@ def with_sticky_spot():
 def best_of(name, numbers):
     """Return what trying out promises most for an effect that declares nothing to act on, on two drives."""
     hidden = {f"{name}__{parameter}": value for parameter, value in numbers.items()}
-    engine = Engine(tuple(make_simulator(prepare(r)) for r in (recording(0, **hidden), recording(1))))
+    engine = engine_of(*(recording(0, **hidden), recording(1)))
     effect = replace(registry()[name], acts_on="")
     return scan_of(effect)(Bank.on(engine, fit_base(engine)).scanner, effect)[0]
 

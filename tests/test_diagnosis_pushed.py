@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, best_apart_from
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.replay.passage import Passages
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator, scale_of
+from fsm_calib.diagnosis.replay.simulator import scale_of
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.world2d.effects import registry
 
@@ -21,7 +19,7 @@ def asked(run, length, hidden):
     """Return the push that a simulation finds at BEGIN in one of two drives, of which the second has `hidden`."""
     changes = {f"external_push__{name}": value for name, value in hidden.items()}
     drives = (recording(0), recording(1, external_push__start=BEGIN, **changes))
-    engine = Engine(tuple(make_simulator(prepare(r)) for r in drives))
+    engine = engine_of(*drives)
     base = fit_base(engine)
     scanner = Bank.on(engine, base).scanner
     situation = situations_of(engine.simulators, base.values)[run]

@@ -1,15 +1,12 @@
 """A fit that stands on the lower of two hills finds the higher one along its own ridge."""
 
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.ranking import Bank, polished
 from fsm_calib.diagnosis.candidates.ridge import beyond_the_ridge
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -20,7 +17,7 @@ OFFSET = 0.06
 def robot():
     """Return engine, base and the polished dead zone of a robot that has one, alike on both wheels."""
     drives = [recording(seed, 30.0, motor_deadband__offset=OFFSET) for seed in (0, 1)]
-    engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
+    engine = engine_of(*drives)
     base = fit_base(engine)
     found = Bank.on(engine, base).best_of(registry()["motor_deadband"])
     return engine, base, polished(engine, found, base, noise_names(engine.simulators))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -18,10 +18,8 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
     likely_discs,
 )
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.shapes.score_tests import winnings
 from fsm_calib.world2d.effects import registry
 
@@ -29,7 +27,7 @@ MARKER = {"turn": 0.12, "x": 0.15, "y": 0.0, "radius": 0.2}
 
 
 def bank_of(*recordings):
-    engine = Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+    engine = engine_of(*recordings)
     return Bank.on(engine, fit_base(engine))
 
 

@@ -4,15 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Ranked, evidence_of
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict import selection
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.world2d.parameters import parameter_table
@@ -23,7 +20,7 @@ SPOT = {"drag": 1.0, "x": 0.12, "y": 0.05, "half_x": 0.2, "half_y": 0.2, "roundn
 @pytest.fixture(scope="module")
 def selector():
     drives = [recording(seed, **{f"rough_floor_patch__{k}": v for k, v in SPOT.items()}) for seed in (0, 1)]
-    engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
+    engine = engine_of(*drives)
     return Selector(engine, fit_base(engine), [], 14.0, 0.01, 4, np.random.default_rng(0))
 
 

@@ -6,20 +6,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis_robots import judged, recording
+from diagnosis_robots import engine_of, judged, recording
 from scipy.stats import norm
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof import gap
 from fsm_calib.diagnosis.proof.form_test import Contest, Remainder, contest
 from fsm_calib.diagnosis.proof.gap import LOGISTIC, Gap, block_sums, gap_between
 from fsm_calib.diagnosis.proof.heldout import noise_floor, squared_error
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict import cross_examined
 from fsm_calib.diagnosis.verdict.posterior import belief_of, shape_probability
 from fsm_calib.diagnosis.verdict.selection import Selector
@@ -29,10 +26,6 @@ from fsm_calib.world2d.parameters import parameters
 
 PAIR = {"floor_tilt__slope_x": 0.03, "floor_tilt__slope_y": -0.02, "motor_deadband__offset": 0.04}
 CATALOGUE = ("floor_tilt", "motor_deadband", "command_delay", "motor_gain_curve")
-
-
-def engine_of(*recordings):
-    return Engine(tuple(make_simulator(prepare(r)) for r in recordings))
 
 
 def engine_seconds(engine):

@@ -1,13 +1,10 @@
 """An effect that joined beside its rival takes that one's place where it does the whole job alone."""
 
 import numpy as np
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.diagnosis.verdict.swapped import swapped
 from fsm_calib.world2d.effects import registry
@@ -17,7 +14,7 @@ TRUE = {"gear_backlash__gap": 0.3, "coulomb_friction__rolling": 0.08}
 
 def test_rolling_resistance_takes_the_place_of_a_dragging_caster_beside_it():
     drives = [recording(seed, **TRUE) for seed in (0, 1)]
-    engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
+    engine = engine_of(*drives)
     selector = Selector(engine, fit_base(engine), [], 14.0, 0.01, 4, np.random.default_rng(0))
     play = Bank.on(engine, selector.base).best_of(registry()["gear_backlash"])
     beside = Bank.on(engine, play.fit)

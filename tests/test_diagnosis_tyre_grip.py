@@ -2,12 +2,9 @@
 
 import diagnosis_robots
 import pytest
-from diagnosis_robots import judged, recording, with_encoders
+from diagnosis_robots import engine_of, judged, recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive
@@ -36,7 +33,7 @@ def grip_of(places=(), **changes):
 
 def number_of(name, recordings, places=()):
     """Return a number of the base robot and its standard deviation; None where it was held."""
-    engine = Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+    engine = engine_of(*recordings)
     fit = fit_whole_base(engine, [registry()[name] for name in places])
     place = parameter_table().place(name)
     found = [(value, variance**0.5) for slot, value, variance in fit.numbers() if slot.place == place]

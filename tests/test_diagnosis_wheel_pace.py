@@ -3,13 +3,10 @@
 from dataclasses import replace
 
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -21,7 +18,7 @@ def best(share, stated, **changes):
     numbers = {"wheel_eccentricity__right": share, **changes}
     drives = [recording(seed, **numbers) for seed in (0, 1)]
     drives = [replace(d, robot=replace(d.robot, wheel_radius=stated * d.robot.wheel_radius)) for d in drives]
-    engine = Engine(tuple(make_simulator(prepare(d)) for d in drives))
+    engine = engine_of(*drives)
     return Bank.on(engine, fit_base(engine)).best_of(registry()[NAME])
 
 

@@ -4,14 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.ranking import Bank, polished
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
-from fsm_calib.diagnosis.fitting.fit import Engine, simulate_all
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
+from fsm_calib.diagnosis.fitting.fit import simulate_all
 from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
@@ -21,7 +19,7 @@ PATCH = {"loss": 0.9, "x": 0.15, "y": 0.05, "radius": 0.25}
 
 
 def named(name, *recordings):
-    engine = Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+    engine = engine_of(*recordings)
     base = fit_base(engine)
     (ranked,) = Bank.on(engine, base).rank([registry()[name]])
     return engine, polished(engine, ranked, base, noise_names(engine.simulators))

@@ -1,13 +1,10 @@
 """What is worth asking once nothing hints at it: a push, where one moment stands out from all others."""
 
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.shapes import score_tests
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
 from fsm_calib.world2d.effects import registry
@@ -19,7 +16,7 @@ EFFECTS = [registry()[name] for name in ("external_push", "floor_tilt", "motor_f
 def fitted(**changes):
     """Return engine and base robot of two drives, of which the second has `changes`."""
     drives = (recording(0), recording(1, **changes))
-    engine = Engine(tuple(make_simulator(prepare(r)) for r in drives))
+    engine = engine_of(*drives)
     return engine, fit_base(engine)
 
 

@@ -5,12 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from diagnosis_robots import engine_of
 
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.own_simulator import path_of
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.world2d.parameters import parameter_table
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
@@ -26,7 +24,7 @@ def test_its_robot_is_found_from_what_it_drives(engine, monkeypatch):
     drive = pairs.recorded(robot, simulate, [5], "mixed")
     path = path_of(pairs.called(robot, simulate), drive)
     assert path[-1, 0] >= drive.pose.time[-1]
-    fit = fit_base(Engine((make_simulator(prepare(drive)),)))
+    fit = fit_base(engine_of(drive))
     found = {parameter_table().names[slot.place]: value for slot, value, _ in fit.numbers()}
     full = robot.no_load * robot.radius
     assert found["gain_left"] == pytest.approx(full, rel=0.08)

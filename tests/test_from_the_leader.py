@@ -3,14 +3,11 @@
 from dataclasses import replace
 
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.from_the_leader import sought_again
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.world2d.effects import registry
 
 CATALOGUE = [registry()[name] for name in ("motor_deadband", "motor_gain_curve", "floor_tilt")]
@@ -20,7 +17,7 @@ CATALOGUE = [registry()[name] for name in ("motor_deadband", "motor_gain_curve",
 def robot():
     """Return engine, base fit and ranking of a robot with a dead zone."""
     drives = [recording(seed, 30.0, motor_deadband__offset=0.06) for seed in (0, 1)]
-    engine = Engine(tuple(make_simulator(prepare(drive)) for drive in drives))
+    engine = engine_of(*drives)
     base = fit_base(engine)
     return engine, base, Bank.on(engine, base).rank(CATALOGUE)
 

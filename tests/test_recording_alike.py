@@ -4,15 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
+from diagnosis_robots import engine_of
 from diagnosis_robots import recording as drive
 from typer.testing import CliRunner
 
 from fsm_calib.cli import app
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.errors import DataError, InputError
 from fsm_calib.recording import RobotFacts
 from fsm_calib.recording.alike import refuse_shared, robot_warnings
@@ -73,12 +71,12 @@ def test_both_commands_warn_of_two_robots(tmp_path, monkeypatch, command):
 
 def test_an_axle_at_its_bound_is_said():
     far = drive(3, 20.0, axle_length=0.14)
-    engine = Engine((make_simulator(prepare(far)),))
+    engine = engine_of(far)
     (sentence,) = at_bounds(fit_base(engine))
     assert sentence.startswith("axle_length stands at its highest value, 0.12 m (stated: 0.1 +- 0.005)")
 
 
 def test_nothing_is_said_of_a_robot_between_its_bounds():
-    engine = Engine((make_simulator(prepare(drive(3, 20.0))),))
+    engine = engine_of(drive(3, 20.0))
     assert at_bounds(fit_base(engine)) == []
     assert np.isfinite(fit_base(engine).log_likelihood)

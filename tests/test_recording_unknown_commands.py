@@ -4,14 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import engine_of, recording
 from wild_bags import BagWriter
 
-from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict.decide import Judge
 from fsm_calib.recording import CommandTrack, PoseTrack, Recording, read_recording
 from fsm_calib.recording.unknown_commands import lost_before, unknown_spans
@@ -178,6 +176,6 @@ def test_a_clean_robot_whose_log_begins_in_mid_drive_is_not_said_to_be_pushed():
     begun = dataclasses.replace(drive, pose=drive.pose.rows(keep), command=drive.command.rows(told))
     assert drive.command.time[told][0] > 9.3  # what it is doing meanwhile nobody knows
     effects = [registry()[name] for name in ("external_push", "motor_fault", "payload_offset")]
-    engine = Engine((make_simulator(prepare(begun)),))
+    engine = engine_of(begun)
     decision = Judge(engine, effects, DEFAULT_GATES, lambda part: None, np.random.default_rng(0)).decide()
     assert decision.outcome == "match"
