@@ -87,9 +87,11 @@ def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
 def is_crossed(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     """Return whether the robot drove on the place for a while, and beside it as well; True for other effects.
 
-    One short stay is a moment as much as a place: it takes a second one, or a stay that is longer than a push.
+    One short stay is a moment as much as a place: it takes a second one, or a stay that is longer than a push. Where
+    poses jump at its edge a place may be most of the floor: what acts everywhere has no edge.
     """
-    if registry()[ranked.name].scan != "place":
+    effect = registry()[ranked.name]
+    if effect.scan != "place":
         return True
     stays, total = [0.0], 0.0
     for simulator, values in zip(simulators, ranked.fit.values, strict=True):
@@ -99,7 +101,8 @@ def is_crossed(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
         stays += stays_in(in_place(ranked.name, values, p.reference), driven)
     inside, longest = sum(stays), max(stays)
     again = longest >= SHORTEST_SPAN or inside - longest >= SECOND_STAY
-    return again and LEAST_INSIDE <= inside <= MOST_INSIDE * total
+    most = total - SHORTEST_SPAN if effect.jumps else MOST_INSIDE * total
+    return again and LEAST_INSIDE <= inside <= most
 
 
 def stays_in(inside: np.ndarray, driven: FloatArray) -> list[float]:

@@ -52,7 +52,7 @@ EFFECT = Effect(
             "m",
             0.3,
             0.05,
-            0.6,
+            1.2,
             0.3,
             "half the pitch of the markers to the view's reach",
             strength=False,
