@@ -10,7 +10,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, jacobian
-from fsm_calib.diagnosis.fitting.values import switched_off
+from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.proof.form_test import Linear, Remainder, contest
 from fsm_calib.diagnosis.proof.plausible import has_size, is_crossed, is_plausible, is_seen, lasts, stays_in
 from fsm_calib.diagnosis.replay.prepared import prepare
@@ -128,6 +128,24 @@ def test_a_place_crossed_once_for_a_moment_is_none(radius, holds):
         values[:, parameter_table().place(f"misplaced_marker.{name}")] = number
     marker = Ranked(Hypothesis("misplaced_marker", ("turn",)), replace(base, values=values), 100.0, 60.0)
     assert is_crossed(marker, engine.simulators) is holds
+
+
+@pytest.mark.parametrize(
+    ("effect", "radius", "holds"),
+    [
+        ("misplaced_marker", 0.9, True),
+        ("rough_floor_patch", 0.9, False),
+        ("misplaced_marker", 1.2, False),
+    ],
+)
+def test_most_of_the_floor_is_a_place_only_where_poses_jump_at_its_edge(effect, radius, holds):
+    """The drive stays within 1.2 m of its start, for three quarters of its time within 0.9 m."""
+    engine = engine_of(recording(0))
+    base = fit_base(engine)
+    sizes = {"radius": radius} if effect == "misplaced_marker" else {"half_x": radius, "half_y": radius}
+    values = with_values(base.values, {f"{effect}.{n}": v for n, v in {"x": 0.0, "y": 0.0, **sizes}.items()})
+    place = Ranked(Hypothesis(effect, ("x",)), replace(base, values=values), 100.0, 60.0)
+    assert is_crossed(place, engine.simulators) is holds
 
 
 def at_value(fit, effect, name, value):

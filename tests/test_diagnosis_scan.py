@@ -109,6 +109,16 @@ def test_headings_that_alone_are_wrong_in_a_place_are_found_and_told_from_a_turn
     assert np.hypot(found["x"] - MARKER["x"], found["y"] - MARKER["y"]) < 0.03
 
 
+def test_headings_that_are_wrong_over_a_metre_and_more_are_found_by_the_edge_of_that_floor():
+    far = {"turn": 0.06, "x": 0.3, "y": 0.5, "radius": 0.7}
+    numbers = {f"misplaced_marker__{name}": value for name, value in far.items()}
+    bank = bank_of(*(recording(seed, **numbers, misplaced_marker__rigid=0.0) for seed in (0, 1)))
+    assert max(disc.radius for disc in discs_of(bank, HEADING)[:3]) > 0.5
+    found = fitted(bank, "misplaced_marker")
+    assert found["turn"] == pytest.approx(0.06, rel=0.05)
+    assert found["radius"] == pytest.approx(0.7, abs=0.1)
+
+
 def test_the_disc_is_found_to_a_centimetre_where_poses_come_fast():
     marker = {"turn": 0.12, "x": 0.16, "y": 0.02, "radius": 0.21}
     numbers = {f"misplaced_marker__{name}": value for name, value in marker.items()}
