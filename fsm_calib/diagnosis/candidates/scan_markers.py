@@ -31,7 +31,7 @@ from fsm_calib.world2d.effects import Effect
 
 CENTRE_PITCH, FAR_PITCH = 0.03, 0.06  # m: of near discs, and of far ones, whose edges are flatter
 RADII = np.arange(0.09, 0.40, 0.03)  # m: how far off a marker is still the one that is seen
-FAR_RADII = np.arange(0.45, 1.0, 0.06)  # m: of a marker that is seen from afar, or a compass beside a steel frame
+FAR_RADII = np.arange(0.45, 1.0, 0.06)  # m: of one that is seen from afar, or a compass beside steel
 MOVED_WIDE, MOVED = (0.015, 0.0075), (0.0075, 0.004, 0.002)  # m, by which the best discs are moved at the end
 LARGEST_JUMP = 12.0  # robust standard deviations: larger ones count as so many, a lone outlier is no marker
 SURE_JUMP = 6.0  # the same where one asks whether there is a marker at all
@@ -202,7 +202,10 @@ class Frames:
 
 def _grid(place: FloatArray, size: float) -> FloatArray:
     """Return discs (m, 3): x, y, radius [m] over the visited floor and beyond it as far as their edge reaches it."""
-    near, far = _discs(place, size * RADII, size * CENTRE_PITCH), _discs(place, size * FAR_RADII, size * FAR_PITCH)
+    near, far = (
+        _discs(place, size * RADII, size * CENTRE_PITCH),
+        _discs(place, size * FAR_RADII, size * FAR_PITCH),
+    )
     return np.vstack([near, far])
 
 
