@@ -7,6 +7,7 @@ from diagnosis_robots import engine_of, recording
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.verdict.selection import Selector
+from fsm_calib.diagnosis.verdict.swapped import swapped
 from fsm_calib.world2d.effects import registry
 
 NAMES = ("motor_asymmetric_lag", "lateral_slip")
@@ -35,7 +36,7 @@ def test_another_closure_of_an_effect_takes_its_place_where_it_fits_better_in_co
         key=lambda r: r.evidence,
     )
     joining = Bank.on(selector.engine, slow.fit).best_of(registry()["lateral_slip"])
-    effects, fit = selector._swapped((slow, joining), joining.fit, [(slow,)])
+    effects, fit = swapped(selector, (slow, joining), joining.fit, [(slow,)])
     assert [e.name for e in effects] == list(NAMES)
     assert effects[0].hypothesis.closure == "limited up"
     assert fit.score > joining.fit.score
@@ -45,5 +46,5 @@ def test_the_closure_that_fits_best_stays(limited):
     selector, bank = limited
     best = bank.best_of(registry()["motor_asymmetric_lag"])
     joining = Bank.on(selector.engine, best.fit).best_of(registry()["lateral_slip"])
-    effects, fit = selector._swapped((best, joining), joining.fit, [(best,)])
+    effects, fit = swapped(selector, (best, joining), joining.fit, [(best,)])
     assert (effects, fit) == ((best, joining), joining.fit)
