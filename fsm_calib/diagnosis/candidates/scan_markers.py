@@ -202,11 +202,8 @@ class Frames:
 
 def _grid(place: FloatArray, size: float) -> FloatArray:
     """Return discs (m, 3): x, y, radius [m] over the visited floor and beyond it as far as their edge reaches it."""
-    near, far = (
-        _discs(place, size * RADII, size * CENTRE_PITCH),
-        _discs(place, size * FAR_RADII, size * FAR_PITCH),
-    )
-    return np.vstack([near, far])
+    grids = ((RADII, CENTRE_PITCH), (FAR_RADII, FAR_PITCH))
+    return np.vstack([_discs(place, size * radii, size * pitch) for radii, pitch in grids])
 
 
 def _discs(place: FloatArray, radii: FloatArray, pitch: float) -> FloatArray:

@@ -48,13 +48,13 @@ def swapped(
 
     rankings : what each round found, the rivals of the effect that won it.
     """
+    joining = effects[-1]
     for earlier in effects[:-1]:
-        place = next((i for i, e in enumerate(effects) if e is earlier), None)
-        if place is None:
-            continue
+        place = next(i for i, e in enumerate(effects) if e is earlier)
         near = [r for r in rankings[min(place, len(rankings) - 1)] if r.evidence > NEAR * earlier.evidence]
         effects, fit = _with_another(fitting, effects, fit, place, near)
-        if _nearly_won(effects[-1].name, effects[place].name, rankings):
+        is_last = effects[-1] is joining  # until it has taken an earlier one's place
+        if is_last and _nearly_won(joining.name, effects[place].name, rankings):
             effects, fit = _moved_up(fitting, effects, fit, place)
     return effects, fit
 
@@ -70,9 +70,11 @@ def _with_another(
     earlier, names = effects[place], {e.name for e in effects}
     rivals = [r for r in near if r.name not in names][:RIVALS]
     rivals += [earlier] if _has_closures(registry()[earlier.name]) else []
-    bank = Bank.on(fitting.engine, fitting.without(fit, earlier.name)) if rivals else None
+    if not rivals:
+        return effects, fit
+    bank = Bank.on(fitting.engine, fitting.without(fit, earlier.name))
     for rival in rivals:
-        tried = bank.best_of(registry()[rival.name]) if bank is not None else None
+        tried = bank.best_of(registry()[rival.name])
         if tried is not None and _is_better(fitting.engine, tried.fit, fit):
             effects = (*effects[:place], replace(tried, evidence=rival.evidence), *effects[place + 1 :])
             fit = tried.fit
@@ -92,8 +94,10 @@ def _moved_up(
     earlier, last = effects[place], effects[-1]
     bare = fitting.without(fitting.without(fit, earlier.name), last.name)
     tried = Bank.on(fitting.engine, bare).best_of(registry()[last.name])
-    alone = fitting.with_noise(tried.fit) if tried is not None else None
-    if tried is None or alone is None or not _is_better(fitting.engine, alone, fit):
+    if tried is None:
+        return effects, fit
+    alone = fitting.with_noise(tried.fit)
+    if not _is_better(fitting.engine, alone, fit):
         return effects, fit
     moved = replace(tried, fit=alone, evidence=earlier.evidence)
     return (*effects[:place], moved, *effects[place + 1 : -1]), alone

@@ -21,8 +21,9 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.places import contact_arm
 from fsm_calib.world2d.forces import add_dry_way
-from fsm_calib.world2d.slots import DRY, HALF_AXLE, RADIUS, RIM
+from fsm_calib.world2d.slots import DRY, RADIUS, RIM
 
 STRIBECK = 0.1
 """Rim speed over which the breakaway part fades [m/s] (Armstrong-Helouvry et al. 1994: 0.01 to 0.1)."""
@@ -37,8 +38,7 @@ def resist(P, o, S, m, W):
             torque += P[o + 2] * math.exp(-abs(S[RIM + side]) / STRIBECK)
         W[DRY + side] += torque / W[RADIUS + side]
         if P[o + 3] != 0.0:
-            arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
-            add_dry_way(W, 0.0, arm, 1.0, 0.0, P[o + 3])
+            add_dry_way(W, 0.0, contact_arm(W, side, 1.0), 1.0, 0.0, P[o + 3])
 
 
 EFFECT = Effect(
