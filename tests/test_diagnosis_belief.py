@@ -215,15 +215,24 @@ def plain_model(**changes: object) -> Model:
 BARE = plain_model()
 
 
-def answered(monkeypatch: pytest.MonkeyPatch, outcome: str, effects: int, named: int, in_poses: bool):
+def answered(
+    monkeypatch: pytest.MonkeyPatch,
+    outcome: str,
+    effects: int,
+    named: int,
+    in_poses: bool,
+    denied: bool = False,
+):
     """What the judge decides after this answer, where the poses alone show it or not; and how often they were asked."""
     asked: list[object] = []
-    monkeypatch.setattr(
-        decide, "shown_in_poses", lambda simulators, gates, places: asked.append(gates) or in_poses
+    poses = SimpleNamespace(
+        show=lambda effects: asked.append(effects) or in_poses, deny=lambda fit, name: denied
     )
+    monkeypatch.setattr(decide, "InPoses", lambda simulators, gates: poses)
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
     model = plain_model(effects=tuple(range(effects)))
-    answer = Decision(outcome, "because.", None, None, model, tuple(range(named)), (), None, None)  # type: ignore[arg-type]
+    names = tuple(SimpleNamespace(name=f"effect-{k}") for k in range(named))
+    answer = Decision(outcome, "because.", None, None, model, names, (), None, None)  # type: ignore[arg-type]
     one = judge()
     monkeypatch.setattr(Judge, "_answer", lambda self: answer)
     return answer, one.decide(), len(asked)
@@ -248,6 +257,13 @@ def test_any_other_answer_stands_where_the_poses_show_it(
     answer, decision, asked = answered(monkeypatch, outcome, effects, named, True)
     assert decision is answer
     assert asked == 1
+
+
+def test_one_sure_name_that_the_poses_deny_and_that_they_do_not_show_is_a_match(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    _, decision, asked = answered(monkeypatch, "explained", 1, 1, False, denied=True)
+    assert (decision.outcome, decision.named, asked) == ("match", (), 1)
 
 
 def test_what_the_encoders_alone_see_is_a_match_of_the_bare_robot(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,8 +7,11 @@ import pytest
 from diagnosis_robots import recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.proof.in_poses import shown_in_poses, without_encoders
+from fsm_calib.diagnosis.proof.in_poses import InPoses, without_encoders
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict.decide import decide
@@ -24,16 +27,16 @@ def late_encoder():
 
 
 def test_an_encoder_that_is_late_is_not_shown_in_the_poses(late_encoder):
-    assert not shown_in_poses(late_encoder, DEFAULT_GATES)
+    assert not InPoses(late_encoder, DEFAULT_GATES).show()
 
 
 def test_a_limit_of_the_command_is_shown_in_the_poses():
     limited = simulators(*(with_encoders(seed, command_saturation__limit=0.3) for seed in (0, 1)))
-    assert shown_in_poses(limited, DEFAULT_GATES)
+    assert InPoses(limited, DEFAULT_GATES).show()
 
 
 def test_recordings_of_poses_alone_have_been_judged_already():
-    assert shown_in_poses(simulators(recording(0)), DEFAULT_GATES)
+    assert InPoses(simulators(recording(0)), DEFAULT_GATES).show()
 
 
 def test_headings_without_positions_cannot_be_asked_alone(late_encoder):
@@ -41,7 +44,7 @@ def test_headings_without_positions_cannot_be_asked_alone(late_encoder):
         replace(s, prepared=replace(s.prepared, poses=replace(s.prepared.poses, placed=False)))
         for s in late_encoder
     ]
-    assert shown_in_poses(unplaced, DEFAULT_GATES)
+    assert InPoses(unplaced, DEFAULT_GATES).show()
 
 
 def test_headings_alone_show_no_place_and_nothing_that_only_drives_forward(late_encoder):
@@ -66,3 +69,27 @@ def test_what_the_encoders_alone_see_without_a_name_is_a_match(late_encoder):
     assert decision.outcome == "match"
     assert "the encoders alone differ" in decision.reason
     assert decision.model.effects == ()
+
+
+def played(replays, gap):
+    """A fit of an effect of this size to these replays, as far as the poses are asked of it."""
+    engine = Engine(replays)
+    base = fit_base(engine)
+    return replace(base, values=with_values(base.values, {"gear_backlash.gap": gap}))
+
+
+@pytest.mark.parametrize(
+    ("gap", "denied"), [(0.3, True), (0.001, False)], ids=["seen", "too small to be seen"]
+)
+def test_poses_of_a_robot_without_play_deny_one_that_they_would_see(late_encoder, gap, denied):
+    assert InPoses(late_encoder, DEFAULT_GATES).deny(played(late_encoder, gap), "gear_backlash") is denied
+
+
+def test_poses_of_a_robot_with_play_do_not_deny_it():
+    replays = simulators(*(with_encoders(seed, gear_backlash__gap=0.3) for seed in (0, 1)))
+    assert not InPoses(replays, DEFAULT_GATES).deny(played(replays, 0.3), "gear_backlash")
+
+
+def test_poses_that_cannot_be_asked_alone_deny_nothing():
+    replays = simulators(recording(0))
+    assert not InPoses(replays, DEFAULT_GATES).deny(played(replays, 0.3), "gear_backlash")

@@ -4,20 +4,24 @@ Encoders are finer than any tracker: they see a wheel follow its tyre a few mill
 the base robot to within its noise. With a name such a finding can be modelled; without one it would only be alarm. So
 the encoders are left out, the base robot is fitted again, and what is left in the poses is asked the two questions
 that reveal a mismatch: does it depend on anything (`score_tests`), does a form without a name explain it
-(`form_test`)? Assumes that whole poses are measured: where headings alone are, encoders are all that tells the way,
-and recordings without encoders have been judged by their poses already.
+(`form_test`)? A name, too, is believed only where the poses do not deny it: encoders whose stamps come late look like
+a play of 2 deg (67 units), which poses that would see it at once find 140 units less likely than none.
+Assumes that whole poses are measured: where headings alone are, encoders are all that tells the way, and recordings
+without encoders have been judged by their poses already.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import have_encoders
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.values import taken_over
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.proof.gates import Gates
 from fsm_calib.diagnosis.replay.simulator import Simulator
@@ -29,16 +33,50 @@ from fsm_calib.world2d.effects import Effect
 OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn; not the wheels
 
 
-def shown_in_poses(simulators: Sequence[Simulator], gates: Gates, effects: Sequence[Effect] = ()) -> bool:
-    """Return whether poses alone differ from a base robot re-fitted to them; True where they cannot be asked alone.
+@dataclass(frozen=True)
+class InPoses:
+    """What the poses of some recordings say alone; where they cannot be asked alone they agree with all."""
 
-    effects : what a number of the base robot that is set free must not stand in for. They are asked only where the
-    robot with all such numbers free, which explains the most, leaves nothing.
-    """
-    if not have_encoders(simulators) or not all(s.prepared.poses.placed for s in simulators):
-        return True
-    engine = Engine(tuple(without_encoders(s) for s in simulators))
-    return any(_leaves_something(engine, fit_whole_base(engine, asked), gates) for asked in ((), effects))
+    simulators: Sequence[Simulator]
+    gates: Gates
+
+    @cached_property
+    def _can_be_asked(self) -> bool:
+        return have_encoders(self.simulators) and all(s.prepared.poses.placed for s in self.simulators)
+
+    @cached_property
+    def _engine(self) -> Engine:
+        return Engine(tuple(without_encoders(s) for s in self.simulators))
+
+    @cached_property
+    def _base(self) -> Fit:
+        """The robot with all numbers free that recordings may ask for: it explains the most."""
+        return fit_whole_base(self._engine, ())
+
+    def show(self, effects: Sequence[Effect] = ()) -> bool:
+        """Return whether poses alone differ from a base robot re-fitted to them.
+
+        effects : what a number of the base robot that is set free must not stand in for. They are asked only where
+        the robot with all such numbers free leaves nothing.
+        """
+        if not self._can_be_asked:
+            return True
+        engine = self._engine
+        return _leaves_something(engine, self._base, self.gates) or _leaves_something(
+            engine, fit_whole_base(engine, effects), self.gates
+        )
+
+    def deny(self, fit: Fit, effect: str) -> bool:
+        """Return whether poses alone speak against an effect of the size that encoders and poses gave it.
+
+        As strongly as a name must be shown: a base robot that is re-fitted beside the effect is less likely by
+        `Gates.detect`. Poses too coarse to see an effect do not deny it.
+        """
+        if not self._can_be_asked:
+            return False
+        base = self._base
+        beside = self._engine.fit(taken_over(base.values, effect, fit.values), base.slots, base.noise)
+        return base.log_likelihood - beside.log_likelihood > self.gates.detect
 
 
 def _leaves_something(engine: Engine, base: Fit, gates: Gates) -> bool:

@@ -17,7 +17,7 @@ from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.gap import TOLD_APART
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates, adequacy
-from fsm_calib.diagnosis.proof.in_poses import shown_in_poses
+from fsm_calib.diagnosis.proof.in_poses import InPoses
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
@@ -79,12 +79,16 @@ class Judge:
     def decide(self) -> Decision:
         """Run the whole chain; what the encoders alone see is a match, unless one name explains all of it."""
         decision = self._answer()
-        certain = decision.outcome == "match" or len(decision.named) == len(decision.model.effects) == 1
+        model = decision.model
+        sole = len(decision.named) == len(model.effects) == 1
         with self.part("poses alone"):
-            confirmed = certain or shown_in_poses(self.engine.simulators, self.gates, self.effects)
+            poses = InPoses(self.engine.simulators, self.gates)
+            allowed = decision.outcome == "match" or (
+                sole and not poses.deny(model.fit, decision.named[0].name)
+            )
+            confirmed = allowed or poses.show(self.effects)
         if confirmed:
             return decision
-        model = decision.model
         if model.effects:
             model = bare_model(self.engine, decision.base, decision.location)
         reason = (
