@@ -32,9 +32,9 @@ def test_an_effect_that_is_just_detected_is_likelier_than_nothing_missing():
     assert 0.9 < 1.0 / (1.0 + math.exp(-log_odds(DETECT, 1, 27))) < 0.99
 
 
-def named(name, probability, room=0.0):
-    names = (name,) if name else ()
-    return Hypothesis(names, probability, robot(), (), np.zeros((0, 0)), np.zeros(0), room)
+def named(name, probability, room=0.0, over=()):
+    names = (*over, name) if name else ()
+    return Hypothesis(names, probability, robot(), (), np.zeros((0, 0)), np.zeros(0), room, over)
 
 
 def test_a_belief_weighs_a_drive_against_nothing_missing():
@@ -49,6 +49,16 @@ def test_evidence_of_faint_effects_against_nothing_missing_is_not_divided():
     tempers = Belief(rows, 0, robot(), Noise()).tempers
     assert tempers[0, 1] == tempers[1, 0] == 1.0
     assert tempers[0, 2] == tempers[1, 2] == TEMPER
+
+
+def test_evidence_of_what_may_hide_beside_an_answer_counts_in_full_over_the_answer():
+    answer, more = named("tyre_scrub", 0.6, -200.0), named("caster_drag", 0.2, DETECT, ("tyre_scrub",))
+    belief = Belief((named("", 0.2, 0.0), answer, more), 0, robot(), Noise())
+    weights = belief.log_weights(np.array([[0.0, 30.0, 34.0]])) - np.log(belief.probabilities)
+    assert weights[0, 1] == pytest.approx(30.0 / TEMPER)
+    assert weights[0, 2] - weights[0, 1] == pytest.approx(4.0)
+    assert belief.tempers[1, 2] == belief.tempers[2, 1] == 1.0
+    assert belief.tempers[0, 2] == belief.tempers[0, 1] == TEMPER
 
 
 @pytest.mark.parametrize("name", ["motor_deadband", "floor_tilt", "payload_offset", "motor_warmup"])
@@ -70,13 +80,18 @@ def test_more_drives_leave_less_that_may_hide(clean):
     assert third.sureness > first.sureness > prior_belief().sureness
 
 
+def hiding(decision, *names):
+    """Return what the drives say of these effects where nothing was detected."""
+    ranked = {r.name: r for r in decision.ranking}
+    return list(unseen(decision.bank.prober, decision.base.values[0], ranked, [registry()[n] for n in names]))
+
+
 def test_an_effect_that_the_drives_would_have_shown_is_as_good_as_excluded(clean):
-    hidden = {u.name: u for u in unseen(clean[1], [registry()["motor_deadband"], registry()["tyre_scrub"]])}
-    assert max(u.log_ratio for u in hidden.values()) < -3.0
+    assert max(u.log_ratio for u in hiding(clean[1], "motor_deadband", "tyre_scrub")) < -3.0
 
 
 def test_what_may_hide_is_believed_in_at_sizes_that_matter(clean):
-    for u in unseen(clean[0], [registry()["motor_deadband"], registry()["floor_tilt"]]):
+    for u in hiding(clean[0], "motor_deadband", "floor_tilt"):
         names = [f"{u.name}.{p.name}" for p in registry()[u.name].parameters if p.strength]
         own = {n: float(u.values[parameter_table().place(n)]) for n in names}
         assert SHARES[0] - 1e-6 <= size_of(registry()[u.name], own) <= SHARES[-1] + 1e-6

@@ -31,3 +31,11 @@ def test_a_push_that_the_score_tests_do_not_notice_is_asked_for(monkeypatch):
     monkeypatch.setattr(score_tests, "ALPHA", 1e-300)
     asked = worth_asking(Bank.on(engine, base), EFFECTS, (), needed=1e-3)
     assert "external_push" in {effect.name for effect in asked}
+
+
+def test_a_wheel_out_of_round_is_asked_for_though_no_test_and_no_form_knows_a_phase(monkeypatch):
+    engine, base = fitted()
+    monkeypatch.setattr(score_tests, "ALPHA", 1e-300)
+    effects = [registry()[name] for name in ("wheel_eccentricity", "floor_tilt")]
+    asked = worth_asking(Bank.on(engine, base), effects, (), needed=14.0)
+    assert [effect.name for effect in asked] == ["wheel_eccentricity"]

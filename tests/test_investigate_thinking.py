@@ -11,7 +11,6 @@ from fsm_calib.actions.investigate_settings import InvestigateSettings
 from fsm_calib.actions.investigating import Findings
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis
-from fsm_calib.diagnosis.design.designer import NoDrive
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import RobotFacts
@@ -67,6 +66,10 @@ def test_what_is_large_and_has_no_sure_name_keeps_it_open():
     assert not answered("motor_deadband", motor_deadband=0.8, floor_tilt=0.2)._is_sure(BOTH, 0.9)
 
 
+def test_what_may_hide_beside_the_names_and_leads_keeps_it_open():
+    assert not answered("motor_deadband", motor_deadband=1.0)._is_sure(BOTH, 0.9)
+
+
 def test_what_happened_once_does_not_keep_it_open():
     pushed = sure_of("motor_deadband", "external_push")
     assert answered("motor_deadband", motor_deadband=0.8, external_push=0.2)._is_sure(pushed, 0.9)
@@ -85,29 +88,6 @@ def test_a_set_that_cannot_be_told_apart_keeps_it_open():
 
 def test_an_explanation_without_a_name_that_is_said_keeps_it_open():
     assert not answered(motor_deadband=1.0)._is_sure(sure_of("motor_deadband"), 0.9)
-
-
-def asked_of_the_designer(monkeypatch, leader, unnamed):
-    """Return how many explanations the designer is asked to tell apart, beside two that it is given."""
-    slots = (np.zeros((0, 0)), np.zeros(0))
-    first = Hypothesis(("motor_deadband",), leader, null_parameters(), (), *slots)
-    second = Hypothesis((), 1.0 - leader, null_parameters(), (), *slots)
-    belief = Belief((first, second), 0, null_parameters(), Noise(), unnamed=unnamed)
-    heard = []
-    mind = Mind(
-        Area(), RobotFacts(), 0, designer=lambda asked, *rest: heard.append(asked) or NoDrive.NOTHING_TOLD
-    )
-    monkeypatch.setattr(mind, "_believed", lambda bench: belief)
-    mind.design_drive(SimpleNamespace(asked=InvestigateSettings(), findings=Findings()))
-    return len(heard[0].hypotheses) - 2
-
-
-def test_where_one_explanation_is_left_the_next_drive_looks_for_what_is_beside_it(monkeypatch):
-    assert asked_of_the_designer(monkeypatch, 0.99, unnamed=0.5) > 0
-
-
-def test_where_two_explanations_are_left_the_next_drive_tells_them_apart(monkeypatch):
-    assert asked_of_the_designer(monkeypatch, 0.6, unnamed=0.0) == 0
 
 
 @pytest.mark.parametrize(("linked", "late"), [(True, 0.5 * MOST_LATE), (False, 0.0)])

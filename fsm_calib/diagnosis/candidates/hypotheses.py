@@ -85,6 +85,11 @@ def is_event(effect: Effect) -> bool:
     return effect.scan == "time"
 
 
+def has_phase(effect: Effect) -> bool:
+    """Return whether a lasting effect has a number of its own in every recording: where in a turn a wheel begins."""
+    return not is_event(effect) and any(p.fitted and p.per_recording for p in effect.parameters)
+
+
 def hypotheses_of(effect: Effect, runs: int) -> Iterator[Hypothesis]:
     """Yield every closure of an effect that competes for its name; an event once for each recording."""
     for closure in effect.competing:

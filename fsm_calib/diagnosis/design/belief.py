@@ -23,7 +23,8 @@ class Hypothesis:
 
     probability : before the drive. values : (p,) parameters of the roll-out. places : (m,) which of them are not
     known exactly, those of the base robot first; covariance : (m, m) of them; steps : (m,) finite differences.
-    room : evidence over nothing that it may still win in full (`odds`).
+    over : the names that it holds one more beside; room : evidence over those (none: over nothing at all) that it may
+    still win in full (`odds`).
     """
 
     names: tuple[str, ...]
@@ -33,6 +34,7 @@ class Hypothesis:
     covariance: FloatArray
     steps: FloatArray
     room: float = 0.0
+    over: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:
@@ -88,22 +90,29 @@ class Belief:
     def log_weights(self, log_likelihood: FloatArray) -> FloatArray:
         """Return log odds, up to what all share, after a drive whose log-likelihoods are (n, h) under the explanations.
 
-        They are weighed as a diagnosis of that drive weighs them: against nothing missing, where that is among them.
+        They are weighed as a diagnosis of that drive weighs them: each against what it is said to be beside, where that
+        is among them.
         """
-        plain = next((k for k, h in enumerate(self.hypotheses) if not h.names), 0)
-        won = 2.0 * (log_likelihood - log_likelihood[:, plain : plain + 1])
-        room = np.array([h.room for h in self.hypotheses])
-        return np.asarray(np.log(np.maximum(self.probabilities, 1e-300)) + counted(won, room))
+        over = [self._rival(h) for h in self.hypotheses]
+        won = 2.0 * (log_likelihood - log_likelihood[:, over])
+        grown = counted(won, np.array([h.room for h in self.hypotheses]))
+        further = [k for k, h in enumerate(self.hypotheses) if h.over]
+        grown[:, further] += grown[:, [over[k] for k in further]]
+        return np.asarray(np.log(np.maximum(self.probabilities, 1e-300)) + grown)
+
+    def _rival(self, hypothesis: Hypothesis) -> int:
+        """Return which explanation the evidence of another is counted over."""
+        return next((k for k, h in enumerate(self.hypotheses) if h.names == hypothesis.over), 0)
 
     @property
     def tempers(self) -> FloatArray:
-        """By how much evidence between two explanations is divided, (h, h): not where nothing is missing in one of them
-        and the other has won less than detection asks for.
+        """By how much evidence between two explanations is divided, (h, h): not where one is the other and one name
+        more, which has won less than detection asks for.
         """
-        none = np.array([not h.names for h in self.hypotheses])
-        faint = none | np.array([h.room > 0.0 for h in self.hypotheses])
-        in_full = (none[:, None] | none[None, :]) & faint[:, None] & faint[None, :]
-        return np.asarray(np.where(in_full, 1.0, TEMPER))
+        nested = np.array(
+            [[h.names == g.over and g.room > 0.0 for g in self.hypotheses] for h in self.hypotheses]
+        )
+        return np.asarray(np.where(nested | nested.T, 1.0, TEMPER))
 
     @property
     def leader(self) -> Hypothesis:

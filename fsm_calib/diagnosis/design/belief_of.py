@@ -1,14 +1,15 @@
 """From a diagnosis to a belief: the one place where the designer looks into a decision.
 
-Odds follow from the diagnosis' evidence by one law (`odds`). Where it detected nothing, or what is missing has no name,
-every effect that won no evidence may still hide, at sizes that matter, as far as the drives allow (`unseen`). Events
-happen once; in a new drive they change nothing.
+Odds follow from the diagnosis' evidence by one law (`odds`). Every effect that won no evidence may still hide, alone
+where nothing was detected or what is missing has no name, else beside the answer, at sizes that matter, as far as the
+drives allow (`unseen`): robots have more than one effect as often as not. Events happen once; in a new drive they
+change nothing.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,12 +17,13 @@ import numpy as np
 from fsm_calib.diagnosis.candidates.hypotheses import (
     catalogue,
     declared_starts,
+    has_phase,
     hypotheses_of,
     is_event,
-    scaled,
     shown_by,
 )
-from fsm_calib.diagnosis.candidates.ranking import evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.starts import Prober
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
 from fsm_calib.diagnosis.design.odds import DETECT, log_odds, room_of
 from fsm_calib.diagnosis.design.unseen import ANY_PHASE, unseen
@@ -117,37 +119,6 @@ def prior_belief(
     )
 
 
-def with_doubts(belief: Belief, share: float = 0.2, most: int = MOST + 6) -> Belief:
-    """Return a belief that also holds a further effect of half its typical size beside the likeliest explanation.
-
-    share : probability that there is one. A drive designed for it would show what has not been looked for yet.
-    """
-    leader, more = belief.leader, []
-    known = {h.names for h in belief.hypotheses}
-    effects = [
-        e
-        for e in catalogue()
-        if e.input in ("any", "command") and e.scan == "" and (*leader.names, e.name) not in known
-    ]
-    for effect in effects:
-        if effect.name in leader.names:
-            continue
-        start = declared_starts(next(hypotheses_of(effect, 1)))[0]
-        values = with_values(leader.values[None], scaled(effect, start, 0.5))[0]
-        own, sizes = _own_slots(effect, values)
-        size = len(leader.places)
-        covariance = np.zeros((size + len(own),) * 2)
-        covariance[:size, :size] = leader.covariance
-        covariance[range(size, len(covariance)), range(size, len(covariance))] = (0.5 * sizes) ** 2
-        places = (*leader.places, *(s.place for s in own))
-        steps = np.concatenate([leader.steps, _steps(own)])
-        probability = share / len(effects)
-        names = (*leader.names, effect.name)
-        more.append(Hypothesis(names, probability, values, places, covariance, steps, DETECT))
-    kept_before = [replace(h, probability=(1.0 - share) * h.probability) for h in belief.hypotheses]
-    return replace(belief, hypotheses=kept([*kept_before, *more], most))
-
-
 def _own_slots(effect: Effect, values: FloatArray) -> tuple[list[Slot], FloatArray]:
     """Return the strengths that a typical effect moves, and their spread before anything was driven."""
     own = [slot_of(f"{effect.name}.{name}") for name in effect.strengths if effect.parameter(name).fitted][:2]
@@ -178,7 +149,7 @@ def _something(decision: Decision, lasting: Sequence[Effect]) -> list[Weighed]:
         return [*_places(decision, len(lasting)), *_hidden(decision, lasting)]
     fitted = _likeliest([*_singles(decision, len(lasting)), *_pairs(decision, len(lasting))])
     if decision.outcome == "explained":
-        return fitted
+        return [*fitted, *_hidden_beside(decision, fitted, lasting)]
     lasts = {e.name for e in lasting}  # of what happened once, and is not said, a new drive tells nothing
     led = lasts & {name for _, h in fitted for name in h.names if h.room <= 0.0}  # won as much as a name must
     named = [weighed for weighed in fitted if led.issuperset(weighed[1].names)]
@@ -272,15 +243,46 @@ def _spread(fit: Fit, slots: Sequence[Slot], names: tuple[str, ...]) -> FloatArr
 
 
 def _hidden(decision: Decision, effects: Sequence[Effect]) -> Iterator[Weighed]:
-    """Yield effects that may still hide, by what the drives say of the sizes that matter."""
-    base = decision.base
-    for hidden in unseen(decision, [e for e in effects if not e.scan]):
-        own = lasting_slots(base)
-        slots = (*own, slot_of(hidden.parameter))
-        covariance = np.zeros((len(slots), len(slots)))
-        covariance[:-1, :-1] = _spread(base, own, ())
-        covariance[-1, -1] = hidden.spread**2
-        places = tuple(s.place for s in slots)
-        room = room_of(2.0 * hidden.log_ratio, 1)
-        odds = hidden.log_ratio - math.log(len(effects))
-        yield odds, Hypothesis((hidden.name,), 1.0, hidden.values, places, covariance, _steps(slots), room)
+    """Yield effects that may still hide on a robot of which nothing is said."""
+    fitted = {ranked.name: ranked for ranked in decision.ranking}
+    yield from _beside(_nothing(decision.base), decision.bank.prober, fitted, effects)
+
+
+def _hidden_beside(
+    decision: Decision, fitted: Sequence[Weighed], effects: Sequence[Effect]
+) -> Iterator[Weighed]:
+    """Yield effects that may still hide beside an answer."""
+    fit = decision.model.fit
+    answer = {s.name for s in decision.model.supports}
+    odds, leader = max(
+        ((odds, h) for odds, h in fitted if set(h.names) <= answer), key=lambda w: (len(w[1].names), w[0])
+    )
+    bank = Bank.on(decision.engine, fit, distinct=decision.bank.distinct)
+    others = [e for e in effects if e.name not in answer]
+    ranked = bank.rank([e for e in others if has_phase(e)])
+    for more, hypothesis in _beside(leader, bank.prober, {r.name: r for r in ranked}, others):
+        yield odds + more, hypothesis
+
+
+def _beside(
+    known: Hypothesis, prober: Prober, fitted: Mapping[str, Ranked], effects: Sequence[Effect]
+) -> Iterator[Weighed]:
+    """Yield explanations with one effect more, and their log odds over what is known."""
+    for hidden in unseen(prober, known.values, fitted, [e for e in effects if not e.scan]):
+        slot, size = slot_of(hidden.parameter), len(known.places)
+        covariance = np.zeros((size + 1, size + 1))
+        covariance[:size, :size] = known.covariance
+        covariance[size, size] = hidden.spread**2
+        yield (
+            hidden.log_ratio - math.log(len(effects)),
+            Hypothesis(
+                names=(*known.names, hidden.name),
+                probability=1.0,
+                values=hidden.values,
+                places=(*known.places, slot.place),
+                covariance=covariance,
+                steps=np.append(known.steps, slot.step),
+                room=room_of(2.0 * hidden.log_ratio, 1),
+                over=known.names,
+            ),
+        )

@@ -1,10 +1,11 @@
-r"""What may still hide where nothing was detected: each effect's odds by what the drives say of sizes that matter.
+r"""What may still hide, alone or beside what was found: each effect's odds by what the drives say of sizes that matter.
 
-An effect of size s would change the drives by x(s), and wins w(s) of log-likelihood as it stands, the base re-fitted;
-for a robot without it, about -|x(s)|^2 / 2. Sizes are a quarter, a half and all of what is typical, in every declared
-form and direction, alike before the drives; a smaller one changes no drive by more than its noise. So
+An effect of size s would change the drives by x(s), and wins w(s) of log-likelihood as it stands, the numbers that were
+free before re-fitted; for a robot without it, about -|x(s)|^2 / 2. Sizes are a quarter, a half and all of what is
+typical, in every declared form and direction, alike before the drives; a smaller one changes no drive by more than its
+noise. So
 
-    odds against nothing = prior odds x mean over sizes and forms of exp w(s)
+    odds against none of it = prior odds x mean over sizes and forms of exp w(s)
 
 Drives that do not show an effect at all leave its odds as they were; those that would have shown it bring them down.
 Where drives show a larger size, one that changes nothing in them (a limit beyond every command) does not matter.
@@ -18,11 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.hypotheses import declared_starts, hypotheses_of, scaled
+from fsm_calib.diagnosis.candidates.hypotheses import declared_starts, has_phase, hypotheses_of, scaled
 from fsm_calib.diagnosis.candidates.ranking import Ranked
-from fsm_calib.diagnosis.candidates.starts import Probe
+from fsm_calib.diagnosis.candidates.starts import Probe, Prober
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.verdict.decide import Decision
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.parameters import parameter_table
@@ -49,21 +49,26 @@ class Unseen:
     spread: float
 
 
-def unseen(decision: Decision, effects: Sequence[Effect]) -> Iterator[Unseen]:
-    """Yield effects, none of them of a place or a moment, by what the drives say of their sizes that matter."""
-    fitted = {ranked.name: ranked for ranked in decision.ranking}
+def unseen(
+    prober: Prober, values: FloatArray, fitted: Mapping[str, Ranked], effects: Sequence[Effect]
+) -> Iterator[Unseen]:
+    """Yield effects, none of them of a place or a moment, by what the drives say of their sizes that matter.
+
+    prober : on the fit that they would join; values : (p,) of it as it would act in another drive; fitted : effects
+    that were fitted on top of it, by name. Those whose phase is of one drive are told by their fit.
+    """
     for effect in effects:
         form = next(hypotheses_of(effect, 1))
         tried = [(share, scaled(effect, way, share)) for way in ways_of(effect) for share in SHARES]
-        probes = decision.bank.prober.probes(form, [changes for _, changes in tried])
-        if any(p.fitted and p.per_recording for p in effect.parameters):
+        probes = prober.probes(form, [changes for _, changes in tried])
+        if has_phase(effect):
             won = _won_at_any_phase(effect, tried, probes, fitted.get(effect.name))
         else:
             won = np.array([probe.declared.promise for probe in probes])
         shown = np.isfinite(won)
         if shown.any():
             tried, won = [way for way, is_shown in zip(tried, shown, strict=True) if is_shown], won[shown]
-        yield _weighed(effect, tried, np.where(np.isfinite(won), won, 0.0), decision.base.values)
+        yield _weighed(effect, tried, np.where(np.isfinite(won), won, 0.0), values)
 
 
 def ways_of(effect: Effect) -> list[Changes]:
@@ -113,7 +118,7 @@ def _won_at_any_phase(
 
 
 def _weighed(
-    effect: Effect, tried: Sequence[tuple[float, Changes]], won: FloatArray, base: FloatArray
+    effect: Effect, tried: Sequence[tuple[float, Changes]], won: FloatArray, before: FloatArray
 ) -> Unseen:
     """Return an effect by what its sizes win."""
     top = float(won.max())
@@ -126,5 +131,5 @@ def _weighed(
     changes = scaled(effect, changes, mean / share)
     full = max(changes, key=lambda name: size_of(effect, {name: changes[name]}))
     size = abs(changes[full] - effect.parameter(full.split(".")[1]).null)
-    values = with_values(base[:1], changes)[0]
+    values = with_values(before[None], changes)[0]
     return Unseen(effect.name, log_ratio, values, full, size * max(spread / mean, LEAST_SPREAD))

@@ -10,6 +10,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.hypotheses import has_phase
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.shapes.features import feature_groups
@@ -28,16 +29,18 @@ def worth_asking(
 
     hinted : names that had evidence before; needed : as in `Selector`.
 
-    Where nothing is left, neither to tests nor to forms, those are only events that had something to say before or that
-    stand out among all moments: a push of a quarter of a second is one pose in a hundred to the test of a regime. Where
-    the world's physics is another than ours, a moment that stands out may be none (`Support.alone`).
+    Where nothing is left, neither to tests nor to forms, those are only what both are blind to. Events that had
+    something to say before or that stand out among all moments: a push of a quarter of a second is one pose in a
+    hundred to the test of a regime. Where the world's physics is another than ours, a moment that stands out may be
+    none (`Support.alone`). And what swings with the turns of a wheel, whose phase no regime and no form has: 53 units
+    of a wheel out of round were left beside a limit of the command.
     """
     tests = tested(bank.scanner.residual, feature_groups(bank.scanner.situations))
     left = surprising(tests)
     regimes = {t.group.regime for t in left}
     hinted = {*hinted, *standing_out(bank, [e for e in effects if e.name not in hinted], needed)}
     if not left and Remainder.of(bank.engine, bank.parent).beside <= 0.0:
-        return [e for e in effects if e.scan == "time" and e.name in hinted]
+        return [e for e in effects if has_phase(e) or (e.scan == "time" and e.name in hinted)]
     return [
         e
         for e in effects

@@ -11,8 +11,8 @@ import numpy as np
 from fsm_calib.actions.investigating import Field, InvestigationBench
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief
-from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief, with_doubts
-from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design, foretold
+from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
+from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design
 from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.diagnosis.replay.prepared import is_usable
@@ -60,23 +60,19 @@ class Mind:
         """Find the drive of most information per second from where the robot is."""
         asked, findings = bench.asked, bench.findings
         believed = self._believed(bench) or prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
-        sure = believed.sureness >= asked.sure
-        belief, least = believed, LEAST_SHARE * believed.doubt
-        alone = believed.probabilities.max() >= asked.sure
-        if alone:  # what one explanation leaves may be a drive's bad luck
-            belief, least = with_doubts(believed), 0.0
+        sure = self._is_sure(believed, asked.sure)
+        alone = believed.probabilities.max() >= asked.sure  # what it leaves may be a drive's bad luck
+        least = 0.0 if alone else LEAST_SHARE * believed.doubt
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
         findings.designs += 1
         longest = min(asked.longest, max(asked.budget - findings.spent, SHORTEST_TIME))
         wishes = Wishes(longest=longest, limit=asked.command, least=max(least, 0.01))
-        plan = self.designer(belief, self.area, Pose2(*(findings.pose or (0.0, 0.0, 0.0))), rng, wishes)
+        plan = self.designer(believed, self.area, Pose2(*(findings.pose or (0.0, 0.0, 0.0))), rng, wishes)
         if plan is NoDrive.NO_ROOM:
             return Outcome("no_room", {}, "No drive fits into the area from here.")
         if isinstance(plan, NoDrive):
             evidence = {"sure": sure, "cramped": plan is NoDrive.CRAMPED}
             return Outcome("nothing_to_learn", evidence, "No drive in reach would make the answer surer.")
-        if belief is not believed:  # what may be beside the answer is no part of its sureness
-            plan = foretold(plan, believed, rng, wishes)
         findings.holds, findings.plan = list(plan.holds), plan.as_json()
         self.plans.append(plan)
         told: dict[str, object] = {
@@ -152,14 +148,15 @@ class Mind:
     def _is_sure(self, belief: Belief, wanted: float) -> bool:
         """Return whether the belief and every name of the verdict are as sure as wanted, and no more is to be named.
 
-        What the likeliest explanation has beside the names may only mend what is inexact in them, if it is small; and
-        no further drive tells more of what happened once.
+        What the likeliest explanation has beside the names may only mend what is inexact in them, if it is small; what
+        may hide beside them must be found or ruled out first; and no further drive tells more of what happened once.
         """
         if belief.sureness < wanted or self.diagnosis is None:
             return False
         verdict, model = self.diagnosis.verdict, self.diagnosis.decision.model
         named, leading = {e.name for e in verdict.effects}, set(belief.leader.names)
-        unsaid = sum(s.share for s in model.supports if s.name in belief.leader.lasting - named)
+        shares = {s.name: s.share for s in model.supports}
+        unsaid = sum(shares.get(name, 1.0) for name in belief.leader.lasting - named)
         if verdict.verdict == "unexplained" or not named <= leading or bool(named) != bool(leading):
             return False
         return (
