@@ -134,6 +134,19 @@ def declared_starts(
     return [dict(choice) for choice in product(*lists)][:MOST_STARTS]
 
 
+def single_steps(hypothesis: Hypothesis, choices: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
+    """Return a step of its derivative for each strength that no start moves, alone.
+
+    A start moves the first strength: a floor that falls along x says nothing of one that falls along y.
+    """
+    effect = registry()[hypothesis.effect]
+    strengths = [
+        (f, effect.parameter(n)) for n, f in zip(hypothesis.names, hypothesis.full_names, strict=True)
+    ]
+    unmoved = [(f, p) for f, p in strengths if p.strength and all(choice[f] == p.null for choice in choices)]
+    return [{**hypothesis.held, full: p.null + slot_of(full).step} for full, p in unmoved]
+
+
 def _only_strength(effect: Effect, hypothesis: Hypothesis, name: str) -> bool:
     """Return whether `name` is the first strength of the hypothesis: it must not start at its null value."""
     strengths = [n for n in hypothesis.names if effect.parameter(n).strength]

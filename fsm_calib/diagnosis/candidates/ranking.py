@@ -8,7 +8,13 @@ from time import perf_counter
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts, hypotheses_of, slots_of
+from fsm_calib.diagnosis.candidates.hypotheses import (
+    Hypothesis,
+    declared_starts,
+    hypotheses_of,
+    single_steps,
+    slots_of,
+)
 from fsm_calib.diagnosis.candidates.ridge import beyond_the_ridge
 from fsm_calib.diagnosis.candidates.scan import Candidate, Scanner, scan_of
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
@@ -147,13 +153,14 @@ class Bank:
         return [(hypothesis, self._starts(hypothesis, hope)) for hypothesis in hypotheses_of(effect, runs)]
 
     def _starts(self, hypothesis: Hypothesis, hope: float) -> list[Start]:
-        """Return where to start a form; nowhere if all that its starts change together is far from winning `hope`."""
+        """Return where to start a form; nowhere if what it may change is far from winning `hope`, to first order."""
         effect, choices = registry()[hypothesis.effect], declared_starts(hypothesis)
         few = self.distinct.get(hypothesis, range(len(choices)))
         probes = dict(zip(few, self.prober.probes(hypothesis, [choices[i] for i in few]), strict=True))
         if hypothesis not in self.distinct:
             self.distinct[hypothesis] = distinct_of(list(probes.values()))
-        if OPTIMISM * self.prober.reach(list(probes.values())) < hope:
+        unmoved = self.prober.probes(hypothesis, single_steps(hypothesis, choices))
+        if OPTIMISM * self.prober.reach([*probes.values(), *unmoved]) < hope:
             return []
         if not hypothesis.held and not any(effect.parameter(n).starts for n in hypothesis.names):
             return [Start(self.parent.values, 0.0)]  # linear at its null value
