@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording, robot
 
-from fsm_calib.diagnosis.design.belief import Belief, Hypothesis
+from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, without_unlikely_more
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
 from fsm_calib.diagnosis.design.odds import DETECT, TEMPER, counted, log_odds, room_of
 from fsm_calib.diagnosis.design.unseen import SHARES, size_of, unseen, ways_of
@@ -59,6 +59,28 @@ def test_evidence_of_what_may_hide_beside_an_answer_counts_in_full_over_the_answ
     assert weights[0, 2] - weights[0, 1] == pytest.approx(4.0)
     assert belief.tempers[1, 2] == belief.tempers[2, 1] == 1.0
     assert belief.tempers[0, 2] == belief.tempers[0, 1] == TEMPER
+
+
+def kept_of(*probabilities):
+    """Return the names that are left to tell apart of two answers and of one that may have one more beside it."""
+    one, other, more = probabilities
+    rows = (
+        named("tyre_scrub", one),
+        named("caster_drag", other),
+        named("floor_tilt", more, DETECT, ("tyre_scrub",)),
+    )
+    return len(without_unlikely_more(Belief(rows, 0, robot(), Noise()), 0.95).hypotheses)
+
+
+def test_where_hardly_anything_hides_a_drive_has_only_to_tell_the_answers_apart():
+    assert kept_of(0.49, 0.49, 0.02) == 2
+
+
+@pytest.mark.parametrize(
+    "probabilities", [(0.4, 0.4, 0.2), (0.97, 0.01, 0.02)], ids=["may hide", "one is sure"]
+)
+def test_else_a_drive_looks_for_what_hides_too(probabilities):
+    assert kept_of(*probabilities) == 3
 
 
 @pytest.mark.parametrize("name", ["motor_deadband", "floor_tilt", "payload_offset", "motor_warmup"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -118,6 +118,17 @@ class Belief:
     def leader(self) -> Hypothesis:
         """The likeliest explanation."""
         return max(self.hypotheses, key=lambda h: h.probability)
+
+
+def without_unlikely_more(belief: Belief, sure: float) -> Belief:
+    """Return a belief without what may hide beside its answers, where none is surely all, and hardly anything hides.
+
+    A drive then tells the answers apart, or none can. sure : probability from which an answer is sure.
+    """
+    found = tuple(h for h in belief.hypotheses if not h.over)
+    shares = np.array([h.probability for h in found])
+    is_all = float(shares.sum()) >= sure * sum(h.probability for h in belief.hypotheses)
+    return replace(belief, hypotheses=found) if is_all and shares.max() < sure * shares.sum() else belief
 
 
 def depends_on_place(name: str) -> bool:

@@ -2,8 +2,7 @@
 
 Odds follow from the diagnosis' evidence by one law (`odds`). Every effect that won no evidence may still hide, alone
 where nothing was detected or what is missing has no name, else beside the answer, at sizes that matter, as far as the
-drives allow (`unseen`): robots have more than one effect as often as not. Events happen once; in a new drive they
-change nothing.
+drives allow (`unseen`). Events happen once; in a new drive they change nothing.
 """
 
 from __future__ import annotations
@@ -44,6 +43,9 @@ GENERAL_DOUBT = 0.02  # share of names that are wrong for no visible reason
 MOST = 14  # explanations that are kept: those behind have a thousandth of the doubt
 LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
 PRIOR_SPREAD = 0.4  # of a typical size, before anything was driven
+FURTHER = (
+    0.25  # odds that an answer is not all there is, before the drives are asked: one robot in five has more
+)
 UNNAMED = 0.5  # probability that no name is right, where the diagnosis gives none
 PRIOR_BASE = {
     "gain_left": 0.08, "gain_right": 0.08, "axle_length": 0.005, "tau_forward": 0.05, "tau_turn": 0.06,
@@ -261,7 +263,7 @@ def _hidden_beside(
     others = [e for e in effects if e.name not in answer]
     ranked = bank.rank([e for e in others if has_phase(e)])
     for more, hypothesis in _beside(leader, bank.prober, {r.name: r for r in ranked}, others):
-        yield odds + more, hypothesis
+        yield odds + math.log(FURTHER) + more, hypothesis
 
 
 def _beside(

@@ -10,7 +10,7 @@ import numpy as np
 
 from fsm_calib.actions.investigating import Field, InvestigationBench
 from fsm_calib.diagnosis.design.area import Area
-from fsm_calib.diagnosis.design.belief import Belief
+from fsm_calib.diagnosis.design.belief import Belief, without_unlikely_more
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
 from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design
 from fsm_calib.diagnosis.design.plan import Plan
@@ -61,13 +61,12 @@ class Mind:
         asked, findings = bench.asked, bench.findings
         believed = self._believed(bench) or prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
         sure = self._is_sure(believed, asked.sure)
-        alone = believed.probabilities.max() >= asked.sure  # what it leaves may be a drive's bad luck
-        least = 0.0 if alone else LEAST_SHARE * believed.doubt
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
         findings.designs += 1
         longest = min(asked.longest, max(asked.budget - findings.spent, SHORTEST_TIME))
-        wishes = Wishes(longest=longest, limit=asked.command, least=max(least, 0.01))
-        plan = self.designer(believed, self.area, Pose2(*(findings.pose or (0.0, 0.0, 0.0))), rng, wishes)
+        wishes = Wishes(longest=longest, limit=asked.command, least=LEAST_SHARE * believed.doubt)
+        belief = without_unlikely_more(believed, asked.sure)
+        plan = self.designer(belief, self.area, Pose2(*(findings.pose or (0.0, 0.0, 0.0))), rng, wishes)
         if plan is NoDrive.NO_ROOM:
             return Outcome("no_room", {}, "No drive fits into the area from here.")
         if isinstance(plan, NoDrive):
