@@ -2,6 +2,7 @@ r"""A motor changes its strength as it warms up, and levels off.
 
     T_i = K_i u_i (1 + change_i (1 - exp(-E_i / effort))),    dE_i/dt = (1 - idle) |u_i| + idle
     D_i = D / (1 + winding_i (1 - exp(-E_i / effort)))
+    dh_i/dt = (|u_i| - h_i) / effort      in place of 1 - exp(-E_i / effort) where it cools, too
 
 T [m/s] no-load rim speed of wheel i, K [m/s] gain, u [1] command, E [s] seconds of full command since the
 start of the recording, effort [s] after which 63 % of the change are done, change [1] of each wheel. Grease
@@ -28,8 +29,13 @@ from fsm_calib.world2d.slots import COMMAND, DRIVE, STEP, TARGET
 def warm(P, o, S, m, W):
     """Change each wheel's target and slope by its effort so far."""
     for side in range(2):
-        effort = ((1.0 - P[o + 3]) * abs(W[COMMAND + side]) + P[o + 3]) * W[STEP]
-        warmed = -math.expm1(-(S[m + side] + 0.5 * effort) / P[o + 2])
+        heat = (1.0 - P[o + 3]) * abs(W[COMMAND + side]) + P[o + 3]
+        effort = heat * W[STEP]
+        if P[o + 6] > 0.0:
+            effort = (heat - S[m + side]) * -math.expm1(-W[STEP] / P[o + 2])
+            warmed = S[m + side] + 0.5 * effort
+        else:
+            warmed = -math.expm1(-(S[m + side] + 0.5 * effort) / P[o + 2])
         W[TARGET + side] *= 1.0 + P[o + side] * warmed
         W[DRIVE + side] /= 1.0 + P[o + 4 + side] * warmed
         S[m + side] += effort
@@ -83,6 +89,9 @@ EFFECT = Effect(
                 starts=(0.25,),
             )
         ),
+        Parameter(
+            "cools", "k", "1", 0.0, 0.0, 1.0, 0.0, "1 where it cools in a drive", strength=False, fitted=False
+        ),
     ),
     hooks={"step": warm},
     channels=("forward", "turn"),
@@ -99,6 +108,12 @@ EFFECT = Effect(
         Closure("left motor, own effort", ("change_left", "effort"), "the left motor alone"),
         Closure("right motor, own effort", ("change_right", "effort"), "the right motor alone"),
         Closure("both motors", ("change_left", "change_right", "effort"), "each by its own share"),
+        Closure(
+            "both motors, cooling",
+            ("change_left", "change_right", "effort"),
+            "each by its own share, and cooling while it rests",
+            fixes={"cools": 1.0},
+        ),
         Closure(
             "left winding",
             ("winding_left", "effort"),
