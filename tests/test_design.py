@@ -82,7 +82,9 @@ def test_sampled_posterior_is_the_one_that_direct_simulation_gives():
     rng = np.random.default_rng(1)
     white, columns = toy(rng)
     white[:, 0] *= 0.4
-    said, _ = expected_posteriors(white.T @ white, columns, lambda log_likelihood: log_likelihood, 4000, rng)
+    said, _ = expected_posteriors(
+        white.T @ white, columns, lambda log_likelihood: log_likelihood, np.eye(columns.means.size), 4000, rng
+    )
     covariances = [np.eye(20) + white[:, n] @ np.diag([0.3, 0.5]) @ white[:, n].T for n in ([2, 3], [2, 4])]
     y = rng.multivariate_normal(white[:, 0], covariances[0], size=4000)
     log_p = []

@@ -61,6 +61,13 @@ def test_evidence_of_what_may_hide_beside_an_answer_counts_in_full_over_the_answ
     assert belief.tempers[0, 2] == belief.tempers[0, 1] == TEMPER
 
 
+def test_an_answer_is_right_whatever_hides_beside_it_and_complete_if_nothing_does():
+    answer, more = named("tyre_scrub", 0.6), named("caster_drag", 0.2, DETECT, ("tyre_scrub",))
+    belief = Belief((answer, more, named("", 0.2)), 0, robot(), Noise())
+    assert belief.sureness == pytest.approx(0.8)
+    assert belief.completeness == pytest.approx(0.75)
+
+
 def kept_of(*probabilities):
     """Return the names that are left to tell apart of two answers and of one that may have one more beside it."""
     one, other, more = probabilities

@@ -25,11 +25,11 @@ def sure_of(*names):
     return Belief((only,), 0, np.zeros(1), Noise())
 
 
-def judged(monkeypatch, *beliefs):
-    """Return whether the answer is sure after judgements of these beliefs, each of them sure by itself."""
-    mind, told = Mind(Area(), RobotFacts(), 0), iter(beliefs)
+def judged(monkeypatch, *beliefs, sure=None):
+    """Return whether the answer is sure after judgements of these beliefs, each of them sure by itself unless told."""
+    mind, told, by_itself = Mind(Area(), RobotFacts(), 0), iter(beliefs), iter(sure or [True] * len(beliefs))
     monkeypatch.setattr(mind, "_believed", lambda bench: next(told))
-    monkeypatch.setattr(mind, "_is_sure", lambda belief, wanted: True)
+    monkeypatch.setattr(mind, "_is_sure", lambda belief, wanted: next(by_itself))
     bench = SimpleNamespace(asked=InvestigateSettings(), findings=Findings())
     return [mind.judge_answer(bench).evidence["sure"] for _ in beliefs][-1]
 
@@ -37,6 +37,12 @@ def judged(monkeypatch, *beliefs):
 def test_same_names_in_another_order_confirm_an_answer(monkeypatch):
     one, other = sure_of("caster_drag", "motor_deadband"), sure_of("motor_deadband", "caster_drag")
     assert judged(monkeypatch, one, other)
+
+
+def test_a_drive_between_that_was_not_sure_of_the_same_names_does_not_begin_it_again(monkeypatch):
+    same = [sure_of("motor_deadband")] * 3
+    assert judged(monkeypatch, *same, sure=[True, False, True])
+    assert not judged(monkeypatch, *same, sure=[True, True, False])
 
 
 def test_other_names_begin_the_confirmation_again(monkeypatch):

@@ -83,9 +83,23 @@ class Belief:
         return float(-np.sum(p * np.log(np.maximum(p, 1e-300))))
 
     @property
+    def within(self) -> FloatArray:
+        """1 where an explanation (column) is another (row), or that with one more beside it; shape (h, h)."""
+        h = self.hypotheses
+        beside = [[bool(other.over) and other.over == one.names for other in h] for one in h]
+        return np.asarray(np.eye(len(h)) + np.array(beside))
+
+    @property
     def sureness(self) -> float:
-        """Probability of the likeliest explanation, the un-named ones counted."""
-        return float(self.probabilities.max() * (1.0 - self.unnamed))
+        """Probability that the likeliest explanation is right, whatever hides beside it; the un-named ones counted."""
+        p = self.probabilities
+        return float(self.within[p.argmax()] @ p * (1.0 - self.unnamed))
+
+    @property
+    def completeness(self) -> float:
+        """Probability that nothing hides beside the likeliest explanation, if that is right."""
+        p = self.probabilities
+        return float(p.max() / (self.within[p.argmax()] @ p))
 
     def log_weights(self, log_likelihood: FloatArray) -> FloatArray:
         """Return log odds, up to what all share, after a drive whose log-likelihoods are (n, h) under the explanations.

@@ -31,6 +31,7 @@ from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
 from fsm_calib.diagnosis.verdict.decide import Decision
 from fsm_calib.diagnosis.verdict.systematic_error import model_spread
@@ -44,7 +45,7 @@ MOST = 14  # explanations that are kept: those behind have a thousandth of the d
 LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
 PRIOR_SPREAD = 0.4  # of a typical size, before anything was driven
 FURTHER = (
-    0.25  # odds that an answer is not all there is, before the drives are asked: one robot in five has more
+    0.1  # odds that an answer lacks an effect, before the drives are asked: most that are there are found
 )
 UNNAMED = 0.5  # probability that no name is right, where the diagnosis gives none
 PRIOR_BASE = {
@@ -253,7 +254,7 @@ def _hidden(decision: Decision, effects: Sequence[Effect]) -> Iterator[Weighed]:
 def _hidden_beside(
     decision: Decision, fitted: Sequence[Weighed], effects: Sequence[Effect]
 ) -> Iterator[Weighed]:
-    """Yield effects that may still hide beside an answer."""
+    """Yield effects that may still hide beside an answer; what may only mend it (EXACT) is no evidence of another."""
     fit = decision.model.fit
     answer = {s.name for s in decision.model.supports}
     odds, leader = max(
@@ -262,21 +263,30 @@ def _hidden_beside(
     bank = Bank.on(decision.engine, fit, distinct=decision.bank.distinct)
     others = [e for e in effects if e.name not in answer]
     ranked = bank.rank([e for e in others if has_phase(e)])
-    for more, hypothesis in _beside(leader, bank.prober, {r.name: r for r in ranked}, others):
+    inexact = 0.5 * EXACT * max(evidence_of(fit, decision.base, decision.engine.count), 0.0)
+    for more, hypothesis in _beside(leader, bank.prober, {r.name: r for r in ranked}, others, inexact):
         yield odds + math.log(FURTHER) + more, hypothesis
 
 
 def _beside(
-    known: Hypothesis, prober: Prober, fitted: Mapping[str, Ranked], effects: Sequence[Effect]
+    known: Hypothesis,
+    prober: Prober,
+    fitted: Mapping[str, Ranked],
+    effects: Sequence[Effect],
+    inexact: float = 0.0,
 ) -> Iterator[Weighed]:
-    """Yield explanations with one effect more, and their log odds over what is known."""
+    """Yield explanations with one effect more, and their log odds over what is known.
+
+    inexact : log-likelihood that an effect may win though there is none.
+    """
     for hidden in unseen(prober, known.values, fitted, [e for e in effects if not e.scan]):
         slot, size = slot_of(hidden.parameter), len(known.places)
         covariance = np.zeros((size + 1, size + 1))
         covariance[:size, :size] = known.covariance
         covariance[size, size] = hidden.spread**2
+        won = hidden.log_ratio - min(max(hidden.log_ratio, 0.0), inexact)
         yield (
-            hidden.log_ratio - math.log(len(effects)),
+            won - math.log(len(effects)),
             Hypothesis(
                 names=(*known.names, hidden.name),
                 probability=1.0,
@@ -284,7 +294,7 @@ def _beside(
                 places=(*known.places, slot.place),
                 covariance=covariance,
                 steps=np.append(known.steps, slot.step),
-                room=room_of(2.0 * hidden.log_ratio, 1),
+                room=room_of(2.0 * won, 1),
                 over=known.names,
             ),
         )

@@ -118,7 +118,7 @@ def _promised(
     """Return what a drive promises, and what would be said of it (h, h): row = what is true, column = said."""
     belief, columns = foresight.belief, foresight.columns
     gram, p = foresight.gram(holds, start), belief.probabilities
-    said, surest = expected_posteriors(gram, columns, belief.log_weights, draws, rng)
+    said, surest = expected_posteriors(gram, columns, belief.log_weights, belief.within, draws, rng)
     apart = distances(gram, columns, Pairs.of(columns))
     forecast = Forecast(
         sureness_before=belief.sureness,

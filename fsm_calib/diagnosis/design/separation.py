@@ -93,11 +93,17 @@ Weigh = Callable[[FloatArray], FloatArray]
 
 
 def expected_posteriors(
-    gram: FloatArray, columns: Columns, weigh: Weigh, draws: int, rng: np.random.Generator
+    gram: FloatArray,
+    columns: Columns,
+    weigh: Weigh,
+    within: FloatArray,
+    draws: int,
+    rng: np.random.Generator,
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean posterior probabilities by nested sampling, shape (h, h): row = what is true, column = said, and
-    the mean probability (h,) of what is then likeliest.
+    the mean probability (h,) that what is then likeliest is right.
 
+    within : (h, h) 1 where an explanation (column) is right about all that another (row) says.
     For every explanation `draws` sets of numbers and noises; the likelihood of each explanation is exact for them.
     """
     count = len(columns.means)
@@ -110,7 +116,8 @@ def expected_posteriors(
         weight = weigh(likelihood)
         weight = np.exp(weight - weight.max(axis=1, keepdims=True))
         posterior = weight / weight.sum(axis=1, keepdims=True)
-        table[i], surest[i] = posterior.mean(axis=0), posterior.max(axis=1).mean()
+        right = np.sum(posterior * within[posterior.argmax(axis=1)], axis=1)
+        table[i], surest[i] = posterior.mean(axis=0), right.mean()
     return table, surest
 
 

@@ -26,9 +26,10 @@ from fsm_calib.world2d.scene import SceneSpec
 
 DESIGN_STREAM = 13
 """Which random stream of the seed the designer draws from."""
-CONFIRMATIONS = 2  # judgements in a row with the same sure names: one drive may be unlucky
+CONFIRMATIONS = 2  # sure judgements of the same names, none of others between: one drive may be unlucky
 SURE_NAME = 0.9  # confidence that the verdict itself must have in every name
 SMALL_SHARE = 0.05  # of the evidence: what only mends inexact equations has less
+NOTHING_BESIDE = 0.75  # probability that a sure answer is all there is: three to one
 LEAST_SHARE = 0.02  # of the doubt: a drive that removes less is not worth driving
 SHORTEST_TIME = 8.0  # s of budget: with less no drive is begun
 
@@ -111,11 +112,11 @@ class Mind:
         asked, findings, belief = bench.asked, bench.findings, self._believed(bench)
         sure = belief is not None and self._is_sure(belief, asked.sure)
         names = [] if belief is None else self._told(belief)
-        findings.streak = findings.streak + 1 if sure and names == findings.names else int(sure)
+        findings.streak = int(sure) + (findings.streak if names == findings.names else 0)
         findings.names = names
         time_left = asked.budget - findings.spent >= SHORTEST_TIME and findings.distance < asked.distance
         evidence = {
-            "sure": findings.streak >= CONFIRMATIONS,
+            "sure": sure and findings.streak >= CONFIRMATIONS,
             "time_left": time_left,
             "names": names,
             "sureness": 0.0 if belief is None else belief.sureness,
@@ -147,15 +148,16 @@ class Mind:
     def _is_sure(self, belief: Belief, wanted: float) -> bool:
         """Return whether the belief and every name of the verdict are as sure as wanted, and no more is to be named.
 
-        What the likeliest explanation has beside the names may only mend what is inexact in them, if it is small; what
-        may hide beside them must be found or ruled out first; and no further drive tells more of what happened once.
+        Whatever the likeliest explanation has beside the names may only mend what is inexact in them, if it is small;
+        what may hide beside them must be found or ruled out first; and no further drive tells more of what happened
+        once.
         """
-        if belief.sureness < wanted or self.diagnosis is None:
+        if self.diagnosis is None or belief.sureness < wanted or belief.completeness < NOTHING_BESIDE:
             return False
         verdict, model = self.diagnosis.verdict, self.diagnosis.decision.model
         named, leading = {e.name for e in verdict.effects}, set(belief.leader.names)
         shares = {s.name: s.share for s in model.supports}
-        unsaid = sum(shares.get(name, 1.0) for name in belief.leader.lasting - named)
+        unsaid = max((shares.get(name, 1.0) for name in belief.leader.lasting - named), default=0.0)
         if verdict.verdict == "unexplained" or not named <= leading or bool(named) != bool(leading):
             return False
         return (
