@@ -231,6 +231,14 @@ def test_named_effect_leads_the_belief_alone_or_with_what_may_hide_beside_it(dea
     assert sum(has_it) * (1.0 - dead_zone.unnamed) > 0.9
 
 
+def test_an_answer_that_did_not_lead_at_first_is_believed_in_all_the_same():
+    decision = diagnose([recording(0, 12.0, motor_deadband__offset=0.05)]).decision
+    found = belief_of(
+        replace(decision, ranking=tuple(r for r in decision.ranking if r.name != "motor_deadband"))
+    )
+    assert found.leader.names == ("motor_deadband",)
+
+
 def test_what_may_hide_beside_an_answer_is_counted_over_it(dead_zone):
     beside = [h for h in dead_zone.hypotheses if len(h.names) == 2]
     assert beside

@@ -15,6 +15,7 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 NOTHING = "nothing is missing"
+HARDLY = 0.01  # probability of all that may hide beside an answer: drives have ruled out nine tenths of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,13 +136,13 @@ class Belief:
 
 
 def without_unlikely_more(belief: Belief, sure: float) -> Belief:
-    """Return a belief without what may hide beside its answers, where none is surely all, and hardly anything hides.
+    """Return a belief without what may hide beside its answers, where none of them is sure and hardly anything hides.
 
     A drive then tells the answers apart, or none can. sure : probability from which an answer is sure.
     """
     found = tuple(h for h in belief.hypotheses if not h.over)
     shares = np.array([h.probability for h in found])
-    is_all = float(shares.sum()) >= sure * sum(h.probability for h in belief.hypotheses)
+    is_all = float(shares.sum()) >= (1.0 - HARDLY) * sum(h.probability for h in belief.hypotheses)
     return replace(belief, hypotheses=found) if is_all and shares.max() < sure * shares.sum() else belief
 
 

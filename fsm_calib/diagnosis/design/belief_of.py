@@ -34,6 +34,7 @@ from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
 from fsm_calib.diagnosis.verdict.decide import Decision
+from fsm_calib.diagnosis.verdict.support import Support
 from fsm_calib.diagnosis.verdict.systematic_error import model_spread
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.types import FloatArray
@@ -150,9 +151,10 @@ def _something(decision: Decision, lasting: Sequence[Effect]) -> list[Weighed]:
     """Return the explanations by which something is missing."""
     if decision.outcome == "match":
         return [*_places(decision, len(lasting)), *_hidden(decision, lasting)]
-    fitted = _likeliest([*_singles(decision, len(lasting)), *_pairs(decision, len(lasting))])
+    fitted = _likeliest([*_singles(decision, len(lasting)), *_several(decision, len(lasting))])
     if decision.outcome == "explained":
-        return [*fitted, *_hidden_beside(decision, fitted, lasting)]
+        answer = _answer(decision, len(lasting))
+        return [*_likeliest([answer, *fitted]), *_hidden_beside(decision, answer, lasting)]
     lasts = {e.name for e in lasting}  # of what happened once, and is not said, a new drive tells nothing
     led = lasts & {name for _, h in fitted for name in h.names if h.room <= 0.0}  # won as much as a name must
     named = [weighed for weighed in fitted if led.issuperset(weighed[1].names)]
@@ -184,20 +186,28 @@ def _places(decision: Decision, catalogue: int) -> Iterator[Weighed]:
             yield _weighed(evidence, ranked.fit, (ranked.name,), decision.base, catalogue)
 
 
-def _pairs(decision: Decision, catalogue: int) -> Iterator[Weighed]:
-    """Yield an answer of several effects, the same without each of them, and with each of its rivals in its place.
-
-    What may have happened once, but is not said, is no part of the answer: a new drive does not have it.
-    """
-    supports, base = decision.model.supports, decision.base
-    if len(supports) < 2:
-        return
+def _told(decision: Decision) -> tuple[Support, ...]:
+    """Return the effects of an answer; what may have happened once, but is not said, a new drive does not have."""
     said = {b.name for b in decision.named}
-    told = tuple(s for s in supports if s.name in said or not is_event(registry()[s.name]))
+    return tuple(s for s in decision.model.supports if s.name in said or not is_event(registry()[s.name]))
+
+
+def _answer(decision: Decision, catalogue: int) -> Weighed:
+    """Return all effects of an answer together."""
+    fit, names = decision.model.fit, tuple(s.name for s in _told(decision))
+    total = evidence_of(fit, decision.base, decision.engine.count)
+    return _weighed(total, fit, names, decision.base, catalogue)
+
+
+def _several(decision: Decision, catalogue: int) -> Iterator[Weighed]:
+    """Yield an answer of several effects, the same without each of them, and with each of its rivals in its place."""
+    told, base = _told(decision), decision.base
+    if len(decision.model.supports) < 2:
+        return
     names = tuple(s.name for s in told)
     total = evidence_of(decision.model.fit, base, decision.engine.count)
     if names:
-        yield _weighed(total, decision.model.fit, names, base, catalogue)
+        yield _answer(decision, catalogue)
     for i, support in enumerate(told):
         rest = names[:i] + names[i + 1 :]
         if len(rest) > 1:
@@ -251,21 +261,20 @@ def _hidden(decision: Decision, effects: Sequence[Effect]) -> Iterator[Weighed]:
     yield from _beside(_nothing(decision.base), decision.bank.prober, fitted, effects)
 
 
-def _hidden_beside(
-    decision: Decision, fitted: Sequence[Weighed], effects: Sequence[Effect]
-) -> Iterator[Weighed]:
-    """Yield effects that may still hide beside an answer; what may only mend it (EXACT) is no evidence of another."""
-    fit = decision.model.fit
-    answer = {s.name for s in decision.model.supports}
-    odds, leader = max(
-        ((odds, h) for odds, h in fitted if set(h.names) <= answer), key=lambda w: (len(w[1].names), w[0])
-    )
+def _hidden_beside(decision: Decision, answer: Weighed, effects: Sequence[Effect]) -> Iterator[Weighed]:
+    """Yield effects that may still hide beside an answer.
+
+    What may only mend it (EXACT) is no evidence of another; and what the diagnosis does not find is not believed in
+    more than the answer, so that there is always a drive to tell.
+    """
+    fit, (odds, known) = decision.model.fit, answer
     bank = Bank.on(decision.engine, fit, distinct=decision.bank.distinct)
-    others = [e for e in effects if e.name not in answer]
+    modelled = {s.name for s in decision.model.supports}
+    others = [e for e in effects if e.name not in modelled]
     ranked = bank.rank([e for e in others if has_phase(e)])
     inexact = 0.5 * EXACT * max(evidence_of(fit, decision.base, decision.engine.count), 0.0)
-    for more, hypothesis in _beside(leader, bank.prober, {r.name: r for r in ranked}, others, inexact):
-        yield odds + math.log(FURTHER) + more, hypothesis
+    for more, hypothesis in _beside(known, bank.prober, {r.name: r for r in ranked}, others, inexact):
+        yield odds + min(math.log(FURTHER) + more, 0.0), hypothesis
 
 
 def _beside(
