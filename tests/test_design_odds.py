@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording, robot
 
-from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, without_unlikely_more
+from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, beside_the_leader, without_unlikely_more
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
 from fsm_calib.diagnosis.design.odds import DETECT, TEMPER, counted, log_odds, room_of
 from fsm_calib.diagnosis.design.unseen import SHARES, size_of, unseen, ways_of
@@ -88,6 +88,19 @@ def test_where_hardly_anything_hides_a_drive_has_only_to_tell_the_answers_apart(
 )
 def test_else_a_drive_looks_for_what_hides_too(probabilities):
     assert kept_of(*probabilities) == 3
+
+
+@pytest.mark.parametrize(("more", "count"), [(0.1, 2), (0.001, None)], ids=["may hide", "hardly"])
+def test_what_is_beside_the_leader_alone_is_asked_while_something_may_hide(more, count):
+    rows = (
+        named("tyre_scrub", 0.5),
+        named("caster_drag", 0.4),
+        named("floor_tilt", more, DETECT, ("tyre_scrub",)),
+    )
+    rest = beside_the_leader(Belief(rows, 0, robot(), Noise()))
+    assert (rest and [h.names for h in rest.hypotheses]) == (
+        count and [("tyre_scrub",), ("tyre_scrub", "floor_tilt")]
+    )
 
 
 @pytest.mark.parametrize("name", ["motor_deadband", "floor_tilt", "payload_offset", "motor_warmup"])

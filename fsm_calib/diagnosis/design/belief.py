@@ -142,8 +142,21 @@ def without_unlikely_more(belief: Belief, sure: float) -> Belief:
     """
     found = tuple(h for h in belief.hypotheses if not h.over)
     shares = np.array([h.probability for h in found])
-    is_all = float(shares.sum()) >= (1.0 - HARDLY) * sum(h.probability for h in belief.hypotheses)
-    return replace(belief, hypotheses=found) if is_all and shares.max() < sure * shares.sum() else belief
+    is_sure = shares.max(initial=0.0) >= sure * shares.sum()
+    return belief if is_sure or _hides(belief) > HARDLY else replace(belief, hypotheses=found)
+
+
+def beside_the_leader(belief: Belief) -> Belief | None:
+    """Return what is believed of one effect more beside the likeliest answer; None where hardly anything hides."""
+    chosen = belief.within[belief.probabilities.argmax()] > 0.0
+    rows = tuple(h for h, is_one in zip(belief.hypotheses, chosen, strict=True) if is_one)
+    return replace(belief, hypotheses=rows) if len(rows) > 1 and _hides(belief) > HARDLY else None
+
+
+def _hides(belief: Belief) -> float:
+    """Return the probability that something hides beside an answer."""
+    beside = [bool(h.over) for h in belief.hypotheses]
+    return float(belief.probabilities @ np.array(beside))
 
 
 def depends_on_place(name: str) -> bool:

@@ -112,6 +112,12 @@ def random_drive(
     return NoDrive.NO_ROOM
 
 
+def foretold(plan: Plan, belief: Belief, rng: np.random.Generator, wishes: Wishes = Wishes()) -> Plan:
+    """Return a plan with what it promises to a belief other than the one it was designed for."""
+    start = np.array([plan.start.x, plan.start.y, plan.start.theta])
+    return replace(plan, forecast=_promised(Foresight(belief), plan.holds, start, wishes.draws, rng)[0])
+
+
 def _promised(
     foresight: Foresight, holds: Holds, start: FloatArray, draws: int, rng: np.random.Generator
 ) -> tuple[Forecast, FloatArray]:

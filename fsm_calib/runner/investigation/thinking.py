@@ -10,9 +10,9 @@ import numpy as np
 
 from fsm_calib.actions.investigating import Field, InvestigationBench
 from fsm_calib.diagnosis.design.area import Area
-from fsm_calib.diagnosis.design.belief import Belief, without_unlikely_more
+from fsm_calib.diagnosis.design.belief import Belief, beside_the_leader, without_unlikely_more
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
-from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design
+from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design, foretold
 from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.diagnosis.replay.prepared import is_usable
@@ -67,7 +67,14 @@ class Mind:
         longest = min(asked.longest, max(asked.budget - findings.spent, SHORTEST_TIME))
         wishes = Wishes(longest=longest, limit=asked.command, least=LEAST_SHARE * believed.doubt)
         belief = without_unlikely_more(believed, asked.sure)
-        plan = self.designer(belief, self.area, Pose2(*(findings.pose or (0.0, 0.0, 0.0))), rng, wishes)
+        start = Pose2(*(findings.pose or (0.0, 0.0, 0.0)))
+        plan = self.designer(belief, self.area, start, rng, wishes)
+        rest = beside_the_leader(
+            believed
+        )  # the doubt about it is small beside that of a set no drive tells apart
+        if plan is NoDrive.NOTHING_TOLD and rest is not None:
+            plan = self.designer(rest, self.area, start, rng, replace(wishes, least=LEAST_SHARE * rest.doubt))
+            plan = plan if isinstance(plan, NoDrive) else foretold(plan, believed, rng, wishes)
         if plan is NoDrive.NO_ROOM:
             return Outcome("no_room", {}, "No drive fits into the area from here.")
         if isinstance(plan, NoDrive):
