@@ -58,11 +58,23 @@ EFFECT = Effect(
             starts=(0.0, 0.2, -0.2),
         ),
         Parameter(
-            "pull_x", "p_x", "N", 0.0, -3.0, 3.0, 0.0, "robots drift by 1 to 5 % of the way along the pile"
+            "pull_x",
+            "p_x",
+            "N",
+            0.0,
+            -3.0,
+            3.0,
+            0.0,
+            "robots drift by 1 to 5 % of the way along the pile",
+            step=1e-4,
         ),
-        Parameter("pull_y", "p_y", "N", 0.0, -3.0, 3.0, 0.0, "the same across", mirror="negate"),
-        Parameter("carried_x", "c_x", "1", 0.0, -0.3, 0.3, 0.0, "robots drift by 1 to 5 % of the way"),
-        Parameter("carried_y", "c_y", "1", 0.0, -0.3, 0.3, 0.0, "the same across", mirror="negate"),
+        Parameter("pull_y", "p_y", "N", 0.0, -3.0, 3.0, 0.0, "the same across", mirror="negate", step=1e-4),
+        Parameter(
+            "carried_x", "c_x", "1", 0.0, -0.3, 0.3, 0.0, "robots drift by 1 to 5 % of the way", step=1e-4
+        ),
+        Parameter(
+            "carried_y", "c_y", "1", 0.0, -0.3, 0.3, 0.0, "the same across", mirror="negate", step=1e-4
+        ),
     ),
     hooks={"step": resist},
     reads=("heading",),

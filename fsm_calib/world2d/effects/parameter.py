@@ -37,8 +37,7 @@ class Parameter:
     starts : tuple of float
         Values from which a fit should be started when the null value does not lead to the truth.
     step : float
-        A sensible finite-difference step, in `unit`; 0 means a thousandth of the typical size, where that is the null
-        value a hundred-thousandth of what the bounds leave.
+        A sensible finite-difference step, in `unit`; 0 means a thousandth of the typical size.
     natural_end : bool
         Whether nature ends at the high bound (a dead motor has lost all), so that a fit may rest there. At another
         bound the fit asks for more of the effect than there can be.
@@ -78,4 +77,4 @@ class Parameter:
     @property
     def difference_step(self) -> float:
         """The finite-difference step [unit]."""
-        return self.step or 1e-3 * abs(self.typical - self.null) or 1e-5 * (self.high - self.low)
+        return self.step or 1e-3 * max(abs(self.typical - self.null), 1e-6)
