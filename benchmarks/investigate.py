@@ -108,7 +108,9 @@ def effects(kind: str, names: tuple[str, ...], factor: float, centre_x: float) -
     share = factor * SIZES.get(kind, 1.0)
     hidden = {
         name: {
-            p.name: min(max(p.null + share * (p.typical - p.null), p.low), p.high) if p.strength else p.typical
+            p.name: min(max(p.null + share * (p.typical - p.null), p.low), p.high)
+            if p.strength
+            else p.typical
             for p in registry()[name].parameters
         }
         for name in names

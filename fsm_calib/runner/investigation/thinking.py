@@ -69,9 +69,7 @@ class Mind:
         belief = without_unlikely_more(believed, asked.sure)
         start = Pose2(*(findings.pose or (0.0, 0.0, 0.0)))
         plan = self.designer(belief, self.area, start, rng, wishes)
-        rest = beside_the_leader(
-            believed
-        )  # the doubt about it is small beside that of a set no drive tells apart
+        rest = beside_the_leader(believed)  # a set that no drive tells apart hides the doubt about it
         if plan is NoDrive.NOTHING_TOLD and rest is not None:
             plan = self.designer(rest, self.area, start, rng, replace(wishes, least=LEAST_SHARE * rest.doubt))
             plan = plan if isinstance(plan, NoDrive) else foretold(plan, believed, rng, wishes)
