@@ -45,9 +45,7 @@ GENERAL_DOUBT = 0.02  # share of names that are wrong for no visible reason
 MOST = 14  # explanations that are kept: those behind have a thousandth of the doubt
 LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
 PRIOR_SPREAD = 0.4  # of a typical size, before anything was driven
-FURTHER = (
-    0.1  # odds that an answer lacks an effect, before the drives are asked: most that are there are found
-)
+FURTHER = 0.1  # odds that an answer lacks an effect, before the drives are asked: most are found
 UNNAMED = 0.5  # probability that no name is right, where the diagnosis gives none
 PRIOR_BASE = {
     "gain_left": 0.08, "gain_right": 0.08, "axle_length": 0.005, "tau_forward": 0.05, "tau_turn": 0.06,

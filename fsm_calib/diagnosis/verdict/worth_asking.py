@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.hypotheses import has_phase
+from fsm_calib.diagnosis.candidates.hypotheses import has_phase, is_event
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.shapes.features import feature_groups
@@ -40,7 +40,7 @@ def worth_asking(
     regimes = {t.group.regime for t in left}
     hinted = {*hinted, *standing_out(bank, [e for e in effects if e.name not in hinted], needed)}
     if not left and Remainder.of(bank.engine, bank.parent).beside <= 0.0:
-        return [e for e in effects if has_phase(e) or (e.scan == "time" and e.name in hinted)]
+        return [e for e in effects if has_phase(e) or (is_event(e) and e.name in hinted)]
     return [
         e
         for e in effects

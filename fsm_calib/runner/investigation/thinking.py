@@ -69,8 +69,8 @@ class Mind:
         belief = without_unlikely_more(believed, asked.sure)
         start = Pose2(*(findings.pose or (0.0, 0.0, 0.0)))
         plan = self.designer(belief, self.area, start, rng, wishes)
-        rest = beside_the_leader(believed)  # a set that no drive tells apart hides the doubt about it
-        if plan is NoDrive.NOTHING_TOLD and rest is not None:
+        if plan is NoDrive.NOTHING_TOLD and (rest := beside_the_leader(believed)) is not None:
+            # the doubt about it is small beside that of a set which no drive tells apart
             plan = self.designer(rest, self.area, start, rng, replace(wishes, least=LEAST_SHARE * rest.doubt))
             plan = plan if isinstance(plan, NoDrive) else foretold(plan, believed, rng, wishes)
         if plan is NoDrive.NO_ROOM:

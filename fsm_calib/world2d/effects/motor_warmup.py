@@ -30,15 +30,15 @@ def warm(P, o, S, m, W):
     """Change each wheel's target and slope by its effort so far."""
     for side in range(2):
         heat = (1.0 - P[o + 3]) * abs(W[COMMAND + side]) + P[o + 3]
-        effort = heat * W[STEP]
         if P[o + 6] > 0.0:
-            effort = (heat - S[m + side]) * -math.expm1(-W[STEP] / P[o + 2])
-            warmed = S[m + side] + 0.5 * effort
+            gained = (heat - S[m + side]) * -math.expm1(-W[STEP] / P[o + 2])
+            warmed = S[m + side] + 0.5 * gained
         else:
-            warmed = -math.expm1(-(S[m + side] + 0.5 * effort) / P[o + 2])
+            gained = heat * W[STEP]
+            warmed = -math.expm1(-(S[m + side] + 0.5 * gained) / P[o + 2])
         W[TARGET + side] *= 1.0 + P[o + side] * warmed
         W[DRIVE + side] /= 1.0 + P[o + 4 + side] * warmed
-        S[m + side] += effort
+        S[m + side] += gained
 
 
 EFFECT = Effect(
