@@ -93,3 +93,15 @@ def test_poses_of_a_robot_with_play_do_not_deny_it():
 def test_poses_that_cannot_be_asked_alone_deny_nothing():
     replays = simulators(recording(0))
     assert not InPoses(replays, DEFAULT_GATES).deny(played(replays, 0.3), "gear_backlash")
+
+
+def test_a_slippery_spot_is_not_denied_where_a_low_grip_had_stood_in_for_it_everywhere():
+    spot = {"loss": 0.8, "x": 0.3, "y": 0.0, "radius": 0.25}
+    slips = {f"low_friction_patch__{k}": v for k, v in spot.items()}
+    replays = simulators(*(with_encoders(seed, **slips) for seed in (0, 1)))
+    base = fit_base(Engine(replays))
+    named = replace(base, values=with_values(base.values, {f"low_friction_patch.{k}": v for k, v in spot.items()}))
+    poses = InPoses(replays, DEFAULT_GATES)
+    sliding = with_values(base.values, {"friction": 0.15})
+    poses.__dict__["_base"] = replace(poses._base, values=sliding)  # where the fit of poses alone may end
+    assert not poses.deny(named, "low_friction_patch")

@@ -70,13 +70,18 @@ class InPoses:
         """Return whether poses alone speak against an effect of the size that encoders and poses gave it.
 
         As strongly as a name must be shown: a base robot that is re-fitted beside the effect is less likely by
-        `Gates.detect`. Poses too coarse to see an effect do not deny it.
+        `Gates.detect`, whether the re-fit starts from the robot that poses alone see or from the one that encoders and
+        poses see (a grip that had stood in for a slippery spot does not find back from a slide). Poses too coarse to
+        see an effect do not deny it.
         """
         if not self._can_be_asked:
             return False
         base = self._base
-        beside = self._engine.fit(taken_over(base.values, effect, fit.values), base.slots, base.noise)
-        return base.log_likelihood - beside.log_likelihood > self.gates.detect
+        starts = (taken_over(base.values, effect, fit.values), fit.values)
+        return all(
+            base.log_likelihood - self._engine.fit(start, base.slots, base.noise).log_likelihood > self.gates.detect
+            for start in starts
+        )
 
 
 def _leaves_something(engine: Engine, base: Fit, gates: Gates) -> bool:
