@@ -100,7 +100,9 @@ def test_a_slippery_spot_is_not_denied_where_a_low_grip_had_stood_in_for_it_ever
     slips = {f"low_friction_patch__{k}": v for k, v in spot.items()}
     replays = simulators(*(with_encoders(seed, **slips) for seed in (0, 1)))
     base = fit_base(Engine(replays))
-    named = replace(base, values=with_values(base.values, {f"low_friction_patch.{k}": v for k, v in spot.items()}))
+    named = replace(
+        base, values=with_values(base.values, {f"low_friction_patch.{k}": v for k, v in spot.items()})
+    )
     poses = InPoses(replays, DEFAULT_GATES)
     sliding = with_values(base.values, {"friction": 0.15})
     poses.__dict__["_base"] = replace(poses._base, values=sliding)  # where the fit of poses alone may end

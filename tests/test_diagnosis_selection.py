@@ -7,11 +7,13 @@ import pytest
 from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
-from fsm_calib.diagnosis.candidates.ranking import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.starts import Start
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.verdict import selection
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
+from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 SPOT = {"drag": 1.0, "x": 0.12, "y": 0.05, "half_x": 0.2, "half_y": 0.2, "roundness": 1.0}
@@ -55,3 +57,22 @@ def test_a_place_that_is_nowhere_crossed_is_not_taken_for_it(selector, monkeypat
     monkeypatch.setattr(selection, "placed", lambda engine, fit, effects, rng: far)
     found = selector._polished(spot, selector.base)
     assert found.fit.values[0, parameter_table().place("rough_floor_patch.x")] == pytest.approx(0.12, abs=0.1)
+
+
+def test_how_a_place_is_felt_is_tried_again_where_its_fit_has_ended(selector):
+    form = Hypothesis("rough_floor_patch", ("drag", "x", "y", "half_x", "half_y"), closure="dry")
+    middle = {f"rough_floor_patch.{k}": v for k, v in (SPOT | {"spread": 0.0, "drag": 0.4}).items()}
+    bank = Bank.on(selector.engine, selector.base)
+    begun = bank._begun(form, Start(with_values(selector.base.values, middle), 0.0))
+    found = bank._with_best_choice(begun)
+    spread = parameter_table().place("rough_floor_patch.spread")
+    assert (begun.fit.values[0, spread], found.fit.values[0, spread]) == (0.0, 1.0)
+    assert found.gain > begun.gain + 50.0
+
+
+def test_a_patch_of_grass_is_told_from_one_of_gravel(selector):
+    grass = {f"rough_floor_patch__{k}": v for k, v in (SPOT | {"drag": 0.0, "viscous": 3.0}).items()}
+    engine = engine_of(*(recording(seed, **grass) for seed in (0, 1)))
+    effect = registry()["rough_floor_patch"]
+    for tried, closure in ((engine, "grows with speed"), (selector.engine, "dry")):
+        assert Bank.on(tried, fit_base(tried)).best_of(effect).hypothesis.closure == closure

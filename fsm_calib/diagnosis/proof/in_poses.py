@@ -79,7 +79,8 @@ class InPoses:
         base = self._base
         starts = (taken_over(base.values, effect, fit.values), fit.values)
         return all(
-            base.log_likelihood - self._engine.fit(start, base.slots, base.noise).log_likelihood > self.gates.detect
+            base.log_likelihood - self._engine.fit(start, base.slots, base.noise).log_likelihood
+            > self.gates.detect
             for start in starts
         )
 
