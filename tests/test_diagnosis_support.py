@@ -108,7 +108,9 @@ def test_what_stands_in_for_a_name_is_of_the_quantities_that_are_left(tilted):
     assert late.stand_in < place.stand_in <= place.instead
 
 
-def test_jumps_of_the_pose_stand_for_a_law_only_as_far_as_there_are_more_of_them_without_it(tilted, monkeypatch):
+def test_jumps_of_the_pose_stand_for_a_law_only_as_far_as_there_are_more_of_them_without_it(
+    tilted, monkeypatch
+):
     engine, base, fit = tilted
     left = replace(Remainder.of(engine, fit), beside=-np.inf, quantities=())
     left.__dict__["jumps"] = 110.0

@@ -39,3 +39,16 @@ def test_a_wheel_out_of_round_is_asked_for_though_no_test_and_no_form_knows_a_ph
     effects = [registry()[name] for name in ("wheel_eccentricity", "floor_tilt")]
     asked = worth_asking(Bank.on(engine, base), effects, (), needed=14.0)
     assert [effect.name for effect in asked] == ["wheel_eccentricity"]
+
+
+@pytest.mark.parametrize(
+    ("hinted", "names"), [({"misplaced_marker", "floor_tilt"}, ["misplaced_marker"]), ((), [])]
+)
+def test_a_marker_that_had_something_to_say_before_is_asked_for_though_no_test_sees_its_edge(
+    monkeypatch, hinted, names
+):
+    engine, base = fitted()
+    monkeypatch.setattr(score_tests, "ALPHA", 1e-300)
+    effects = [registry()[name] for name in ("misplaced_marker", "floor_tilt")]
+    asked = worth_asking(Bank.on(engine, base), effects, hinted, needed=14.0)
+    assert [effect.name for effect in asked] == names

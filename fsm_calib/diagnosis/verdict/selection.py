@@ -288,12 +288,17 @@ class Selector:
         return self._pruned(selection.effects, selection.fit, selection.rankings, wanted)
 
     def without(self, fit: Fit, name: str) -> Fit:
-        """Return the fit without one of its effects, everything else and the noise fitted again from where it was."""
+        """Return the fit without one of its effects, everything else and the noise fitted again from where it was.
+
+        Its numbers are as the base robot has them, all of them: a closure that is asked again on top must not find
+        what another closure had fitted (the knee of a soft limit, the arm of a caster) and hold it for nothing.
+        """
         table, engine = parameter_table(), self.engine
         kept = [i for i, s in enumerate(fit.slots) if table.owner[s.place] != name]
         known = tuple(columns[:, :, kept] for columns in fit.columns)
         slots = [fit.slots[i] for i in kept]
-        return self.with_noise(engine.fit(switched_off(fit.values, [name]), slots, fit.noise, known=known))
+        values = taken_over(fit.values, name, self.base.values)
+        return self.with_noise(engine.fit(values, slots, fit.noise, known=known))
 
     def with_noise(self, fit: Fit) -> Fit:
         """Return a fit with its noise fitted again, and itself at that noise."""

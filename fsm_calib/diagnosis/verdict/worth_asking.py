@@ -32,7 +32,8 @@ def worth_asking(
     Where nothing is left, neither to tests nor to forms, those are only what both are blind to. Events that had
     something to say before or that stand out among all moments: a push of a quarter of a second is one pose in a
     hundred to the test of a regime. Where the world's physics is another than ours, a moment that stands out may be
-    none (`Support.alone`). And what swings with the turns of a wheel, whose phase no regime and no form has: 53 units
+    none (`Support.alone`). A marker that had something to say before: where its edge is crossed the poses jump, in a few
+    frames of a drive. And what swings with the turns of a wheel, whose phase no regime and no form has: 53 units
     of a wheel out of round were left beside a limit of the command.
     """
     tests = tested(bank.scanner.residual, feature_groups(bank.scanner.situations))
@@ -40,7 +41,7 @@ def worth_asking(
     regimes = {t.group.regime for t in left}
     hinted = {*hinted, *standing_out(bank, [e for e in effects if e.name not in hinted], needed)}
     if not left and Remainder.of(bank.engine, bank.parent).beside <= 0.0:
-        return [e for e in effects if has_phase(e) or (is_event(e) and e.name in hinted)]
+        return [e for e in effects if has_phase(e) or ((is_event(e) or e.jumps) and e.name in hinted)]
     return [
         e
         for e in effects

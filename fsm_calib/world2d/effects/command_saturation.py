@@ -1,10 +1,11 @@
 r"""Commands above a limit are cut.
 
     u_effective = min(max(u, -limit), limit)
-    u_effective = u / (1 + (|u| / limit)^4)^(1/4)       soft: a supply that gives way before it gives no more
+    u_effective = u / (1 + (|u| / limit)^n)^(1/n)       soft: a supply that gives way before it gives no more
     |F| <= current D K                                  a driver that limits the motors' current
 
-limit [1]: a setting of the kinematics node (`limit`, 0.1 to 1) or a supply that gives no more. current [1]: the
+limit [1]: a setting of the kinematics node (`limit`, 0.1 to 1) or a supply that gives no more, softly with n = 4 / knee
+[1]: 4 as is usual, down to 2 where it gives way early. current [1]: the
 motor's largest force F [N] as a share of its stall force at full command, D K with the slope D [N s/m] of its
 torque-speed line and the gain K [m/s]: the speed is reached, but late, and a slope is climbed with less. Null is 2 for
 both: never reached. Sources: Duckietown kinematics_node.py; current regulation of H-bridges, e.g. TI DRV8871 data
@@ -24,8 +25,8 @@ from fsm_calib.world2d.slots import DRIVE, RIM, TARGET
 def clip(P, o, u, side):
     """Return the command cut to the limit."""
     if P[o + 1] > 0.0:
-        size = u / P[o]
-        return u / (1.0 + size**4) ** 0.25
+        power = 4.0 / P[o + 3]
+        return u / (1.0 + abs(u / P[o]) ** power) ** (1.0 / power)
     return min(max(u, -P[o]), P[o])
 
 
@@ -55,6 +56,9 @@ EFFECT = Effect(
             "current", "i_max", "1", 2.0, 0.02, 2.0, 2.0, "drivers: 0.2 to 0.6 of the stall current",
             starts=(0.08, 0.15, 0.3, 0.5), step=1e-3,
         ),
+        Parameter(
+            "knee", "k", "1", 1.0, 0.2, 2.0, 1.0, "2 gives way early, 0.2 nearly at once", strength=False, step=1e-2,
+        ),
     ),
     hooks={"shape": clip, "step": give_no_more},
     channels=("forward", "turn"),
@@ -69,6 +73,10 @@ EFFECT = Effect(
         Closure("hard limit", ("limit",), "cut at once", fixes={"soft": 0.0}),
         Closure(
             "soft limit", ("limit",), "gives way before it gives no more", fixes={"soft": 1.0},
+            sentence="Commands beyond about {limit} give less and less more speed.",
+        ),
+        Closure(
+            "soft limit, own knee", ("limit", "knee"), "gives way as early as it does", fixes={"soft": 1.0},
             sentence="Commands beyond about {limit} give less and less more speed.",
         ),
         Closure(
