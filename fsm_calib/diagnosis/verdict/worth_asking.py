@@ -32,9 +32,9 @@ def worth_asking(
     Where nothing is left, neither to tests nor to forms, those are only what both are blind to. Events that had
     something to say before or that stand out among all moments: a push of a quarter of a second is one pose in a
     hundred to the test of a regime. Where the world's physics is another than ours, a moment that stands out may be
-    none (`Support.alone`). A marker that had something to say before: where its edge is crossed the poses jump, in a few
-    frames of a drive. And what swings with the turns of a wheel, whose phase no regime and no form has: 53 units
-    of a wheel out of round were left beside a limit of the command.
+    none (`Support.alone`). A marker that had something to say before: where its edge is crossed the poses jump, in a
+    few frames of a drive. And what swings with the turns of a wheel, whose phase no regime and no form has: 53
+    units of a wheel out of round were left beside a limit of the command.
     """
     tests = tested(bank.scanner.residual, feature_groups(bank.scanner.situations))
     left = surprising(tests)
