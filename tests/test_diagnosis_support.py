@@ -12,7 +12,7 @@ from scipy.stats import norm
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
-from fsm_calib.diagnosis.proof import form_test, gap
+from fsm_calib.diagnosis.proof import gap
 from fsm_calib.diagnosis.proof.form_test import Contest, Remainder, contest
 from fsm_calib.diagnosis.proof.gap import LOGISTIC, Gap, block_sums, gap_between
 from fsm_calib.diagnosis.proof.heldout import noise_floor, squared_error
@@ -106,19 +106,6 @@ def test_what_stands_in_for_a_name_is_of_the_quantities_that_are_left(tilted):
         for quantity in ("how late it arrives", "the place")
     )
     assert late.stand_in < place.stand_in <= place.instead
-
-
-def test_jumps_of_the_pose_stand_for_a_law_only_as_far_as_there_are_more_of_them_without_it(
-    tilted, monkeypatch
-):
-    engine, base, fit = tilted
-    left = replace(Remainder.of(engine, fit), beside=-np.inf, quantities=())
-    left.__dict__["jumps"] = 110.0
-    for without, share in ((110.0, 0.0), (150.0, 40.0)):
-        monkeypatch.setattr(form_test, "jump_evidence", lambda prepared, simulated, count, e=without: e)
-        found = contest(left, base, ["floor_tilt"])
-        assert found.beside_quantities == (form_test.JUMPS,)
-        assert found.stand_in + found.explained == pytest.approx(share)
 
 
 @pytest.mark.parametrize(("spread", "believed"), [(300.0, False), (5.0, True)])
