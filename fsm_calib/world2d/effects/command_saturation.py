@@ -20,6 +20,8 @@ from fsm_calib.world2d.dynamics import GAIN
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import DRIVE, RIM, TARGET
 
+SOFTLY = "Commands beyond about {limit} give less and less more speed."
+
 
 @njit(error_model="numpy")
 def clip(P, o, u, side):
@@ -73,11 +75,11 @@ EFFECT = Effect(
         Closure("hard limit", ("limit",), "cut at once", fixes={"soft": 0.0}),
         Closure(
             "soft limit", ("limit",), "gives way before it gives no more", fixes={"soft": 1.0},
-            sentence="Commands beyond about {limit} give less and less more speed.",
+            sentence=SOFTLY,
         ),
         Closure(
             "soft limit, own knee", ("limit", "knee"), "gives way as early as it does", fixes={"soft": 1.0},
-            sentence="Commands beyond about {limit} give less and less more speed.",
+            sentence=SOFTLY,
         ),
         Closure(
             "current limit", ("current",), "the driver limits the current: speeds are reached late",

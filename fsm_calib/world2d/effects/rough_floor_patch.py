@@ -22,7 +22,7 @@ from fsm_calib.world2d.effects.places import (
     in_area,
     spread_parameter,
 )
-from fsm_calib.world2d.forces import add_dry_friction, add_oblique_damper
+from fsm_calib.world2d.forces import add_damper, add_dry_friction
 from fsm_calib.world2d.slots import MASS, OMEGA, V
 
 AREA = ("x", "y", "half_x", "half_y")
@@ -38,7 +38,7 @@ def resist(P, o, S, m, W):
         speed = S[V] - arm * S[OMEGA]
         inside = in_area(x, y, P[o + 1], P[o + 2], P[o + 3], P[o + 4], P[o + 6])
         add_dry_friction(W, 0.0, arm, 1.0, 0.0, speed, P[o] * inside, 0.5 * W[MASS])
-        add_oblique_damper(W, 0.0, arm, 1.0, 0.0, P[o + 7] * inside)
+        add_damper(W, 0.0, arm, P[o + 7] * inside, 0.0)
 
 
 EFFECT = Effect(
