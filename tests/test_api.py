@@ -20,6 +20,16 @@ def test_package_loads_nothing_heavy_until_a_function_is_asked_for() -> None:
     assert done.stdout.strip() == "[]"
 
 
+def test_a_diagnosis_of_a_manifest_loads_no_camera(tmp_path) -> None:
+    path = write_recording(recording(1, duration=5.0), tmp_path / "drive")
+    code = (
+        "import sys; from fsm_calib.recording.read import read_recording; import fsm_calib.diagnosis.diagnose;"
+        f"read_recording({str(path)!r}); print([m for m in ('cv2', 'fsm_calib.actions') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
 def test_every_public_name_is_there_and_documented() -> None:
     for name in fsm_calib.__all__:
         assert getattr(fsm_calib, name).__doc__

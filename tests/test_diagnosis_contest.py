@@ -43,7 +43,7 @@ def test_the_lag_answers_a_step_exponentially():
 
 def test_every_form_has_finite_columns_for_each_recording(saturated):
     engine, _, fit = saturated
-    found = forms(frames_of(engine.simulators, fit))
+    found = list(forms(frames_of(engine.simulators, fit)))
     assert [f.quantity for f in found] == list(RECIPES)
     for form in found:
         assert [c.shape[0] for c in form.columns] == [len(s.prepared.time) for s in engine.simulators]

@@ -147,11 +147,11 @@ def _physics(world: Path | None, beside: bool) -> dict[str, float] | None:
     InputError
         The world cannot be read, or a simulator was given, too.
     """
+    if world is None:
+        return None  # what reads scenarios brings cameras and machines along
     from fsm_calib.errors import InputError
     from fsm_calib.scenario.world import physics_of
 
-    if world is None:
-        return None
     physics = physics_of(world)
     if beside:
         raise InputError("a world and a simulator at once", where="--against", cure="Give one of the two.")

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -42,9 +42,11 @@ from fsm_calib.recording.named import Named
 from fsm_calib.recording.recording import Finding, Recording, RobotFacts
 from fsm_calib.recording.robot_files import read_robot_file, with_facts
 from fsm_calib.recording.stamps import Stamps, read_stamps, refuse_long, zero_told, zeros_of
-from fsm_calib.recording.tag_poses import TagMap
 from fsm_calib.recording.yaml_places import read_yaml
 from fsm_calib.types import FloatArray
+
+if TYPE_CHECKING:
+    from fsm_calib.recording.tag_poses import TagMap
 
 NUMERIC = frozenset(
     ("duration", "left", "right", "v", "omega", "x", "y", "theta", "value", "dx", "dy", "dtheta", "lost")

@@ -55,7 +55,7 @@ PITCH = 0.12  # m between candidate centres: a third of a common patch's diamete
 KEEP = 3
 MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
 GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
-CHUNK = 96
+CHUNK = 32
 RIDGE, NO_POWER = 1e-9, 1e-12  # a candidate that the base robot can take over wholly has no power of its own
 
 

@@ -117,12 +117,12 @@ def tried_span(trial: Trial, run: int, strength: Changes) -> Span:
     """Return the most promising span of one recording, at `strength`; the response to each cell is simulated."""
     simulator = trial.residual.engine.simulators[run]
 
-    def cells(edges: FloatArray) -> list[FloatArray]:
+    def cells(edges: FloatArray) -> FloatArray:
         times = [
             {f"{trial.effect.name}.start": float(a), f"{trial.effect.name}.duration": float(b - a)}
             for a, b in pairwise(edges)
         ]
-        return _alone(trial, run, _simulated(trial, simulator, run, [{**strength, **time} for time in times]))
+        return _simulated(trial, simulator, run, [{**strength, **time} for time in times])
 
     return likely_span(trial.residual, run, cells, (1.0 / LARGEST_RESCALE, LARGEST_RESCALE))
 

@@ -9,6 +9,7 @@ beside it: it does not move for one second of a drive. How hard it was pushed is
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,7 +68,9 @@ def pushes(residual: Residual, run: int, s: Situation, length: float) -> Pushes:
     whitener, nu = residual.whiteners[run], residual.engine.nu
     time, before = innovations_of(residual, run)
     white = residual.white[before : before + len(time)]
-    columns = residual.engine.white_columns((whitener,), (_trains(s, starts, length, period),))
+    columns = np.empty((len(time), 3 * period))
+    for channel, increments in enumerate(_trains(s, starts, length, period)):
+        columns[:, channel::3] = residual.engine.white_columns((whitener,), (increments,))
     won = np.zeros(len(starts))
     for b, start in enumerate(starts.tolist()):
         rows = slice(*np.searchsorted(time, (start, start + length + SEEN)))
@@ -123,13 +126,16 @@ def _solved(lower, moment):  # type: ignore[no-untyped-def]
     return out
 
 
-def _trains(s: Situation, starts: FloatArray, length: float, period: int) -> FloatArray:
-    """Return increments (n, 5, 3 period): errors of 1 m/s forward, sideways, at the rim, pushes apart added."""
+def _trains(s: Situation, starts: FloatArray, length: float, period: int) -> Iterator[FloatArray]:
+    """Yield increments (n, 5, period) of errors of 1 m/s forward, sideways, at the rim, pushes apart added."""
+    trains = np.column_stack([_train(s, starts[first::period], length) for first in range(period)])
+    yield body_columns(s, forward=trains)
+    yield body_columns(s, lateral=trains)
+    yield body_columns(s, turn=trains / s.half)
+
+
+def _train(s: Situation, starts: FloatArray, length: float) -> FloatArray:
+    """Return the sum (n,) of what pushes that begin at `starts` [s] leave of their speed at each time."""
     since = s.time[:, None] - starts
     shape = np.clip(since / KICK, 0.0, 1.0) * np.exp(-np.maximum(since - length, 0.0) / FADE)
-    trains = np.column_stack([shape[:, first::period].sum(axis=1) for first in range(period)])
-    out = np.zeros((len(s.dt), 5, 3 * period))
-    out[:, :, 0::3] = body_columns(s, forward=trains)
-    out[:, :, 1::3] = body_columns(s, lateral=trains)
-    out[:, :, 2::3] = body_columns(s, turn=trains / s.half)
-    return out
+    return np.asarray(shape.sum(axis=1))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsm_calib.diagnosis.shapes.score_tests import Residual, project
+from fsm_calib.diagnosis.shapes.score_tests import Residual
 from fsm_calib.types import FloatArray
 
 COARSE, FINE = 0.75, 0.15  # s between edges
@@ -30,28 +30,34 @@ class Span:
     promise: float
 
 
-Cells = Callable[[FloatArray], list[FloatArray]]
+Cells = Callable[[FloatArray], FloatArray]
 
 
 def likely_span(residual: Residual, run: int, cells: Cells, sizes: tuple[float, float] = LOSSES) -> Span:
     """Return the most promising span of recording `run`.
 
-    cells : edges (m + 1,) [s] to what acting in each cell between two of them changes in the increments of every
-    recording, (n, 5, m); sizes : smallest and largest multiple of that which counts.
+    cells : edges (m + 1,) [s] to what acting in each cell between two of them changes in the recording's increments,
+    (n, 5, m); sizes : smallest and largest multiple of that which counts.
     """
     time = residual.whiteners[run].prepared.time
     ends = [max(time[0], 0.0), time[-1]]
-    found = _best(residual, cells, sizes, np.unique([*np.arange(ends[0], ends[1] - COARSE, COARSE), *ends]))
+    found = _best(
+        residual, run, cells, sizes, np.unique([*np.arange(ends[0], ends[1] - COARSE, COARSE), *ends])
+    )
     about = [np.arange(at - ABOUT, at + ABOUT, FINE) for at in (found.begin, found.end)]
     fine = np.unique(np.clip(np.concatenate([*about, ends]), *ends))
-    return max(found, _best(residual, cells, sizes, fine), key=lambda span: span.promise)
+    return max(found, _best(residual, run, cells, sizes, fine), key=lambda span: span.promise)
 
 
-def _best(residual: Residual, cells: Cells, sizes: tuple[float, float], edges: FloatArray) -> Span:
-    """Return the most promising span between two of `edges` [s]."""
-    x = project(residual, cells(edges))
-    score, gram = np.r_[0.0, np.cumsum(x.T @ residual.psi)], np.zeros((len(edges), len(edges)))
-    gram[1:, 1:] = np.cumsum(np.cumsum(x.T @ x, axis=0), axis=1)
+def _best(residual: Residual, run: int, cells: Cells, sizes: tuple[float, float], edges: FloatArray) -> Span:
+    """Return the most promising span between two of `edges` [s]; what is fitted is taken off the cells' products."""
+    whitener, begin = residual.whiteners[run], sum(w.prepared.innovations for w in residual.whiteners[:run])
+    white = residual.engine.white_columns((whitener,), (cells(edges),))
+    psi, basis = (rows[begin : begin + len(white)] for rows in (residual.psi, residual.basis))
+    inside = basis.T @ white
+    score = np.r_[0.0, np.cumsum(psi @ white - (residual.basis.T @ residual.psi) @ inside)]
+    gram = np.zeros((len(edges), len(edges)))
+    gram[1:, 1:] = np.cumsum(np.cumsum(white.T @ white - inside.T @ inside, axis=0), axis=1)
     i, j = np.triu_indices(len(edges), 1)
     power = gram[j, j] - gram[i, j] - gram[j, i] + gram[i, i]
     amplitude = (score[j] - score[i]) / np.maximum(power, 1e-12)
@@ -61,10 +67,10 @@ def _best(residual: Residual, cells: Cells, sizes: tuple[float, float], edges: F
     return Span(float(edges[i[best]]), float(edges[j[best]]), -float(amplitude[best]), float(promise[best]))
 
 
-def gain_cells(residual: Residual, run: int, gain: FloatArray, edges: FloatArray) -> list[FloatArray]:
-    """Return `gain` (n, 5) cut at `edges`, (n, 5, cells), for its recording, and nothing for the others."""
-    prepared = [whitener.prepared for whitener in residual.whiteners]
-    cells = [np.zeros((*p.step.shape, len(edges) - 1)) for p in prepared]
-    index = np.clip(np.searchsorted(edges, prepared[run].time, side="right") - 1, 0, len(edges) - 2)
-    cells[run][np.arange(len(index)), :, index] = gain
+def gain_cells(residual: Residual, run: int, gain: FloatArray, edges: FloatArray) -> FloatArray:
+    """Return the `gain` (n, 5) of a recording cut at `edges`, (n, 5, cells)."""
+    time = residual.whiteners[run].prepared.time
+    cells = np.zeros((*gain.shape, len(edges) - 1))
+    index = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, len(edges) - 2)
+    cells[np.arange(len(index)), :, index] = gain
     return cells

@@ -20,7 +20,7 @@ models may be late by a little, forward and turning.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -45,6 +45,7 @@ MOST_BESIDE = 3
 REFIT_STEPS = 8  # of the base robot at the named model's noise
 LATE = 0.5 * LEAST_DELAY  # s, standard deviation of what the base is late by beyond its own lags
 NEW = 0.02  # of a column's length that the columns before it must leave
+NOTHING = 1e-9  # length of a whitened column that a form does not have
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,15 +77,34 @@ class Contest:
 
 @dataclass(frozen=True, eq=False)
 class Pool:
-    """Whitened un-named columns (N, P) and the quantity that each depends on."""
+    """Whitened un-named columns of unit length, a block (N, p) a quantity that they depend on; P in all."""
 
-    columns: FloatArray
-    quantities: tuple[str, ...]
+    blocks: tuple[tuple[str, FloatArray], ...]
+
+    @cached_property
+    def quantities(self) -> tuple[str, ...]:
+        """The quantity of each column."""
+        return tuple(quantity for quantity, block in self.blocks for _ in range(block.shape[1]))
 
     def of(self, quantities: Sequence[str]) -> Pool:
         """Return the columns that depend on some quantities."""
-        kept = [i for i, quantity in enumerate(self.quantities) if quantity in quantities]
-        return Pool(self.columns[:, kept], tuple(self.quantities[i] for i in kept))
+        return Pool(tuple(block for block in self.blocks if block[0] in quantities))
+
+    def column(self, place: int) -> FloatArray:
+        """Return a column (N,) by its place among all."""
+        for _, block in self.blocks:
+            if place < block.shape[1]:
+                return block[:, place]
+            place -= block.shape[1]
+        raise IndexError(place)
+
+    def products(self, rows: FloatArray) -> FloatArray:
+        """Return the products of rows (N,) or (k, N) with all columns, (P,) or (k, P)."""
+        return np.concatenate([rows @ block for _, block in self.blocks], axis=-1)
+
+    def squares(self, weight: FloatArray) -> FloatArray:
+        """Return the squared lengths (P,) of all columns with weights (N,)."""
+        return np.concatenate([weight @ (block * block) for _, block in self.blocks])
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,16 +200,20 @@ def _linearised(engine: Engine, fit: Fit) -> tuple[Linear, Pool]:
         np.append([s.spread for s in fit.slots], np.full(lateness.shape[1], LATE)),
         engine.nu,
     )
-    return model, _pool([(f.quantity, engine.white_columns(whiteners, f.columns)) for f in forms(frames)])
+    return model, _pool((f.quantity, engine.white_columns(whiteners, f.columns)) for f in forms(frames))
 
 
-def _pool(blocks: Sequence[tuple[str, FloatArray]]) -> Pool:
-    columns = np.hstack([block for _, block in blocks])
-    names = [name for name, block in blocks for _ in range(block.shape[1])]
-    length = np.linalg.norm(columns, axis=0)
-    keep = np.flatnonzero(length > 1e-9)
-    kept = columns if len(keep) == len(names) else columns[:, keep]
-    return Pool(np.divide(kept, length[keep], out=kept), tuple(names[i] for i in keep))
+def _pool(blocks: Iterable[tuple[str, FloatArray]]) -> Pool:
+    """Return the columns that are more than nothing."""
+    kept = []
+    for quantity, block in blocks:
+        length = np.linalg.norm(block, axis=0)
+        some = np.flatnonzero(length > NOTHING)
+        whole = len(some) == len(length)
+        kept.append(
+            (quantity, np.divide(block, length, out=block) if whole else block[:, some] / length[some])
+        )
+    return Pool(tuple(kept))
 
 
 def _climb(model: Linear, pool: Pool, most: int) -> tuple[float, list[tuple[int, float]]]:
@@ -200,7 +224,7 @@ def _climb(model: Linear, pool: Pool, most: int) -> tuple[float, list[tuple[int,
         chosen = _most_promising(model, residual, off, pool)
         if chosen is None:
             break
-        model = model.with_columns(pool.columns[:, chosen])
+        model = model.with_columns(pool.column(chosen))
         residual, off, now = model.solved()
         path.append((chosen, now - begun))
     return begun, path
@@ -208,18 +232,18 @@ def _climb(model: Linear, pool: Pool, most: int) -> tuple[float, list[tuple[int,
 
 def _most_promising(model: Linear, residual: FloatArray, off: FloatArray, pool: Pool) -> int | None:
     """Return the form with the largest score test, priors as rows of data; None where all are spanned already."""
-    root = np.sqrt(robust_weights(residual, model.nu))[:, None]
+    weight = robust_weights(residual, model.nu)
+    root = np.sqrt(weight)[:, None]
     held = np.flatnonzero(model.spread > 0.0)
     rows = np.zeros((len(held), model.columns.shape[1]))
     rows[np.arange(len(held)), held] = 1.0 / model.spread[held]
     stacked = np.vstack([root * model.columns, rows])
     spanned, _ = np.linalg.qr(stacked / np.maximum(np.linalg.norm(stacked, axis=0), 1e-12))
-    free = np.zeros((len(stacked), pool.columns.shape[1]))
-    np.multiply(root, pool.columns, out=free[: len(root)])
-    free -= spanned @ (spanned.T @ free)
-    length = np.linalg.norm(free, axis=0)
     error = np.concatenate([root[:, 0] * residual, -off[held] / model.spread[held]])
-    score = np.where(length > NEW, np.abs(free.T @ error) / np.maximum(length, NEW), 0.0)
+    inside = pool.products((root * spanned[: len(root)]).T)  # what is left of a pool is as large as the pool
+    length = np.sqrt(np.maximum(pool.squares(weight) - np.sum(inside * inside, axis=0), 0.0))
+    product = pool.products(root[:, 0] * error[: len(root)]) - (spanned.T @ error) @ inside
+    score = np.where(length > NEW, np.abs(product) / np.maximum(length, NEW), 0.0)
     return int(np.argmax(score)) if score.any() else None
 
 

@@ -28,6 +28,7 @@ NOMINAL_WHEEL_RATE = (
 )
 LEAD_TIME = 1.2  # s simulated before the first event, so that a delayed command and a moving start are known
 GRID_STEP = 0.01  # s between stored states; cubic interpolation in between
+AT_A_TIME = 8  # parameter vectors whose states are held at once: half a megabyte a minute each
 SMALL_RADIUS = 0.05  # m: larger wheels are taken to have the same share of the robot's mass at their rims
 LOWEST_INPUT_LAG = (
     0.005  # s: measured wheel speeds need no motor; they begin earlier by the shortest lag that it has
@@ -85,6 +86,11 @@ class Simulator:
         grid : (g,) [s], every `GRID_STEP`, from where the robot stands at `start` (pose, or pose and twist); drive and
         track : what of both acts then.
         """
+        if len(values) > AT_A_TIME:
+            parts = [values[i : i + AT_A_TIME] for i in range(0, len(values), AT_A_TIME)]
+            return np.concatenate(
+                [self.increments_between(v, first, last, grid, start, drive, track) for v in parts]
+            )
         p, part = self.prepared, slice(first, last + 1)
         on = active_flags(values)
         states = simulate_many(values, drive, grid, start, track, p.settings.simulation_step, on)

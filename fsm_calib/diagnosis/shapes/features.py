@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -29,15 +30,16 @@ TRAVELS = (0.01, 0.03, 0.06, 0.12, 0.25)  # m since a reversal: up to three cast
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Features of one kind in one channel: columns (n, 5, m) of increments for each recording.
+    """Features of one kind in one channel, made when they are asked for: together they take a hundred megabytes.
 
-    regime : what they depend on; labels : one a feature, for people.
+    regime : what they depend on; makers : columns (n, 5, m) of increments, one maker a recording; own : each recording
+    has features of its own, which are nothing in the others.
     """
 
     channel: str
     regime: str
-    columns: tuple[FloatArray, ...]
-    labels: tuple[str, ...]
+    makers: tuple[Callable[[], FloatArray], ...]
+    own: bool = False
 
     @property
     def name(self) -> str:
@@ -45,8 +47,8 @@ class Group:
         return f"{self.channel}:{self.regime}"
 
     def named_alone(self) -> Group:
-        """Return the group without its columns, for results that outlive the test."""
-        return replace(self, columns=())
+        """Return the group without its makers, for results that outlive the test."""
+        return replace(self, makers=())
 
 
 def hats(variable: FloatArray, knots: FloatArray) -> FloatArray:
@@ -107,7 +109,7 @@ def _world(s: Situation, basis: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def feature_groups(situations: list[Situation]) -> Iterator[Group]:
-    """Yield all groups for the recordings of one robot, one at a time: together they take a hundred megabytes."""
+    """Yield all groups for the recordings of one robot."""
     limit = (
         max(float(np.max(np.abs(np.concatenate([s.left, s.right])))) for s in situations for s in [s]) or 1.0
     )
@@ -161,17 +163,12 @@ RUN_BOUND = {"time", "moment", "repeats in time", "wheel phase", "heading turned
 
 
 def _group(situations: list[Situation], channel: str, regime: str, put: Channelled, make: Maker) -> Group:
-    blocks = [put(make(s), s) for s in situations]
-    if regime in RUN_BOUND:
-        total, at = sum(b.shape[2] for b in blocks), 0
-        spread = []
-        for block in blocks:
-            wide = np.zeros((*block.shape[:2], total))
-            wide[:, :, at : at + block.shape[2]] = block
-            at += block.shape[2]
-            spread.append(wide)
-        blocks = spread
-    return Group(channel, regime, tuple(blocks), tuple(f"{regime} {i}" for i in range(blocks[0].shape[2])))
+    makers = tuple(partial(_made, put, make, s) for s in situations)
+    return Group(channel, regime, makers, own=regime in RUN_BOUND)
+
+
+def _made(put: Channelled, make: Maker, situation: Situation) -> FloatArray:
+    return put(make(situation), situation)
 
 
 def place_pitch(situations: list[Situation]) -> float:

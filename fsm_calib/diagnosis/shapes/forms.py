@@ -9,7 +9,7 @@ exogenous quantities (`situation.py`). The scales only keep the columns within a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -204,6 +204,6 @@ RECIPES: dict[str, Callable[[Frame], FloatArray]] = {
 """Quantity to columns; single functions may occur twice, what depends on another is projected out."""
 
 
-def forms(frames: Sequence[Frame]) -> list[Form]:
-    """Return every un-named correction for the recordings of one robot."""
-    return [Form(name, tuple(recipe(f) for f in frames)) for name, recipe in RECIPES.items()]
+def forms(frames: Sequence[Frame]) -> Iterator[Form]:
+    """Yield every un-named correction for the recordings of one robot, one at a time: together they are large."""
+    return (Form(name, tuple(recipe(f) for f in frames)) for name, recipe in RECIPES.items())

@@ -18,12 +18,15 @@ from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import Group, body_columns, feature_groups
 from fsm_calib.diagnosis.shapes.score_tests import (
     ALPHA,
+    Blocks,
     LeftOver,
+    Products,
     Residual,
     log_tail,
+    products_of,
     project,
     residual_of,
-    test_columns,
+    test_products,
 )
 from fsm_calib.types import FloatArray
 
@@ -93,22 +96,19 @@ def locate(engine: Engine, fit: Fit, situations: list[Situation], rng: np.random
 
 @dataclass(frozen=True, eq=False)
 class Flips:
-    """Random signs of blocks: block number of each innovation, signs (flips, blocks), largest surprise so far."""
+    """Random signs of blocks of innovations, (flips, blocks), and the largest surprise so far under each."""
 
-    block: np.ndarray
     signs: FloatArray
     largest: FloatArray
 
-    def watch(self, residual: Residual, x: FloatArray) -> None:
-        """Take note of the surprises of a group's whitened columns `x` (N, m) under the random signs."""
-        parts = np.zeros((self.signs.shape[1], x.shape[1]))
-        np.add.at(parts, self.block, x * residual.psi[:, None])
-        gram = x.T @ x
+    def watch(self, products: Products) -> None:
+        """Take note of the surprises of a group under the random signs."""
+        gram = products.gram
         mean, variance = float(np.trace(gram)), 2.0 * float(np.sum(gram * gram))
         if variance <= 0.0:
             return
         scale = variance / (2.0 * mean)
-        q = np.sum((self.signs @ parts) ** 2, axis=1)
+        q = np.sum((self.signs @ products.parts) ** 2, axis=1)
         np.maximum(self.largest, -log_tail(q / scale, mean / scale) / np.log(10.0), out=self.largest)
 
 
@@ -116,27 +116,27 @@ def flip_test(
     residual: Residual, groups: Iterable[Group], rng: np.random.Generator
 ) -> tuple[list[LeftOver], float, float]:
     """Return the tests of all groups, most surprising first, the p-value of the first, and what ALPHA of them reach."""
-    block = _blocks(residual)
-    flips = Flips(block, rng.choice([-1.0, 1.0], size=(FLIPS, int(block.max()) + 1)), np.zeros(FLIPS))
+    blocks = _blocks(residual)
+    flips = Flips(rng.choice([-1.0, 1.0], size=(FLIPS, blocks.count)), np.zeros(FLIPS))
     tests = []
     for group in groups:
-        x = project(residual, group.columns)
-        tests.append(test_columns(residual, group, x))
-        flips.watch(residual, x)
+        products = products_of(residual, group, blocks)
+        tests.append(test_products(group, products))
+        flips.watch(products)
     tests.sort(key=lambda t: -t.surprise)
     p_value = float((1 + np.sum(flips.largest >= tests[0].surprise)) / (FLIPS + 1))
     return tests, p_value, float(np.quantile(flips.largest, 1 - ALPHA))
 
 
-def _blocks(residual: Residual) -> np.ndarray:
-    """Return the number of the second that each innovation belongs to, counted through all recordings."""
+def _blocks(residual: Residual) -> Blocks:
+    """Return the second that each innovation belongs to, counted through all recordings."""
     numbers, offset = [], 0
     for whitener in residual.whiteners:
         p = whitener.prepared
         own = np.floor((p.time - p.time[0]) / BLOCK).astype(int)
         numbers.append(np.broadcast_to(own[:, None], p.scored.shape)[p.scored] + offset)
         offset += int(own.max()) + 1
-    return np.concatenate(numbers)
+    return Blocks(np.concatenate(numbers), offset)
 
 
 def _regime(strong: Sequence[LeftOver], situations: list[Situation]) -> str:

@@ -12,8 +12,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.special import chdtrc
 
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -22,6 +25,9 @@ from fsm_calib.diagnosis.shapes.features import Group
 from fsm_calib.types import FloatArray
 
 ALPHA = 0.003  # probability with which chance may pass for a finding: beyond three standard deviations
+SPANNED = (
+    1e-12  # share of its squared length that a group must keep beside what is fitted, which rounding does not
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +83,7 @@ def project(residual: Residual, columns: Sequence[FloatArray]) -> FloatArray:
 def free_part(residual: Residual, white: FloatArray) -> FloatArray:
     """Return whitened columns (N, m) without what the fitted parameters can do."""
     fitted = residual.basis @ (residual.basis.T @ white)
-    return np.subtract(white, fitted, out=fitted)  # no third array: the blocks of a group are large
+    return np.subtract(white, fitted, out=fitted)
 
 
 def winnings(residual: Residual, changes: FloatArray) -> FloatArray:
@@ -93,18 +99,77 @@ def winnings(residual: Residual, changes: FloatArray) -> FloatArray:
     return after - log_kernel(residual.white, nu)
 
 
+@dataclass(frozen=True, eq=False)
+class Products:
+    """What a test needs to know of a group's whitened columns X (N, m), fitted Jacobian projected out.
+
+    scores : X' psi, (m,); gram : X' X, (m, m); parts : the scores of each block of innovations by itself, (blocks, m).
+    """
+
+    scores: FloatArray
+    gram: FloatArray
+    parts: FloatArray
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """The block that each innovation belongs to, in order, (N,), and how many there are."""
+
+    number: NDArray[np.int_]
+    count: int
+
+    def sums(self, begin: int, weights: FloatArray, columns: FloatArray) -> FloatArray:
+        """Return the weighted sums (blocks, m) of columns that belong to the innovations from `begin` on."""
+        edges = np.searchsorted(self.number[begin : begin + len(columns)], np.arange(self.count + 1))
+        return np.array([weights[a:b] @ columns[a:b] for a, b in pairwise(edges)]).reshape(
+            -1, columns.shape[1]
+        )
+
+
+NO_BLOCKS = Blocks(np.zeros(0, dtype=int), 0)
+
+
+def products_of(residual: Residual, group: Group, blocks: Blocks = NO_BLOCKS) -> Products:
+    """Return a group's products, recording by recording; what is fitted is taken off the products of whole columns."""
+    found: list[tuple[FloatArray, ...]] = []
+    begin = 0
+    for whitener, make in zip(residual.whiteners, group.makers, strict=True):
+        white = residual.engine.white_columns([whitener], [make()])
+        psi, basis = (rows[begin : begin + len(white)] for rows in (residual.psi, residual.basis))
+        found.append((psi @ white, basis.T @ white, blocks.sums(begin, psi, white), white.T @ white))
+        begin += len(white)
+    join = _side_by_side if group.own else _summed
+    scores, inside, parts, gram = join(found)
+    whole = float(np.trace(gram))
+    gram = gram - inside.T @ inside
+    if float(np.trace(gram)) < SPANNED * whole:
+        gram = np.zeros_like(gram)
+    scores = scores - inside.T @ (residual.basis.T @ residual.psi)
+    return Products(scores, gram, parts - blocks.sums(0, residual.psi, residual.basis) @ inside)
+
+
+def _side_by_side(found: Sequence[tuple[FloatArray, ...]]) -> tuple[FloatArray, ...]:
+    """Return the products of recordings whose columns are nothing in the others."""
+    scores, inside, parts, grams = zip(*found, strict=True)
+    return *(np.concatenate(each, axis=-1) for each in (scores, inside, parts)), block_diag(*grams)
+
+
+def _summed(found: Sequence[tuple[FloatArray, ...]]) -> tuple[FloatArray, ...]:
+    """Return the products of recordings that share their columns."""
+    return tuple(np.sum(each, axis=0) for each in zip(*found, strict=True))
+
+
 def test_group(residual: Residual, group: Group) -> LeftOver:
     """Return how surprising the residual's dependence on a group is."""
-    return test_columns(residual, group, project(residual, group.columns))
+    return test_products(group, products_of(residual, group))
 
 
-def test_columns(residual: Residual, group: Group, x: FloatArray) -> LeftOver:
-    """Test a group whose whitened, projected columns `x` (N, m) are at hand."""
-    scores = x.T @ residual.psi
-    gram = x.T @ x
+def test_products(group: Group, products: Products) -> LeftOver:
+    """Test a group whose products are at hand."""
+    scores, gram = products.scores, products.gram
     mean, variance = float(np.trace(gram)), 2.0 * float(np.sum(gram * gram))
     if variance <= 0.0:
-        return LeftOver(group.named_alone(), 0.0, 0.0, np.zeros(x.shape[1]))
+        return LeftOver(group.named_alone(), 0.0, 0.0, np.zeros(len(scores)))
     scale = variance / (2.0 * mean)
     log_p = float(log_tail(float(scores @ scores) / scale, mean / scale))
     ridge = 1e-3 * mean / len(gram)
