@@ -207,6 +207,16 @@ def test_the_husky_skids() -> None:
 
 
 @real
+def test_a_husky_on_a_hard_floor_winds_its_tyres_up() -> None:
+    """Its body follows the wheels' difference half a second late; the base robot's numbers are the stated ones then."""
+    runs = [shared(f"husky-terrains/b-{run}") for run in (1, 2, 3)]
+    result = diagnose(runs)
+    assert [e.name for e in result.verdict.effects] == ["skid_steer"]
+    assert 0.05 < result.verdict.effects[0].parameters["way"].value < 0.3
+    assert result.verdict.base["axle_length"].value == pytest.approx(0.555, rel=0.02)
+
+
+@real
 def test_the_khepera_matches_once_it_is_identified() -> None:
     whole = shared("khepera3/l90")
     result = diagnose(

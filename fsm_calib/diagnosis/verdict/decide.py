@@ -31,6 +31,7 @@ from fsm_calib.diagnosis.verdict.punctual import likelier_if_punctual, ranked_if
 from fsm_calib.diagnosis.verdict.refined import refined
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.diagnosis.verdict.shares import worth_saying
+from fsm_calib.diagnosis.verdict.simplified import simplified
 from fsm_calib.world2d.effects import Effect
 
 Progress = Callable[[str], None]
@@ -126,7 +127,7 @@ class Judge:
         found = (selector.base, tuple(ranking), location, bank)
         model = self._weighed(selection)
         with self.part("refinements"):
-            model = refined(self.engine, model, gates.detect)
+            model = simplified(self.engine, refined(self.engine, model, gates.detect))
         named = model.named(gates.least_confidence)
         if not named:
             return self._decision("unexplained", _complaint(model), model, (), *found)

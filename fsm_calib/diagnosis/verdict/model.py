@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -33,6 +33,15 @@ class Model:
     def named(self, least: float) -> tuple[Belief, ...]:
         """Return the beliefs in names that are at least so probable."""
         return tuple(b for b in self.beliefs if b.probability >= least)
+
+    def taking(self, found: Ranked) -> Model:
+        """Return the model with one of its effects in the closure that was found, and with the fit of that."""
+        taken = {
+            e.name: replace(e, fit=found.fit, hypothesis=found.hypothesis) if e.name == found.name else e
+            for e in self.effects
+        }
+        beliefs = tuple(replace(b, effect=taken[b.name]) for b in self.beliefs)
+        return replace(self, effects=tuple(taken.values()), fit=found.fit, beliefs=beliefs)
 
 
 def bare_model(engine: Engine, base: Fit, location: Location) -> Model:

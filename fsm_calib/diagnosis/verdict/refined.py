@@ -6,8 +6,6 @@ that has been found without it, it only says more exactly how that effect acts.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, slots_of
 from fsm_calib.diagnosis.candidates.ranking import FIRST_STEPS, Ranked, polished
 from fsm_calib.diagnosis.fitting.base import noise_names
@@ -24,7 +22,7 @@ def refined(engine: Engine, model: Model, least: float) -> Model:
         for closure in registry()[effect.name].refining:
             found = _with(engine, model, effect, closure)
             if found.evidence >= least:
-                model = _taking(model, found)
+                model = model.taking(found)
     return model
 
 
@@ -41,13 +39,3 @@ def _with(engine: Engine, model: Model, effect: Ranked, closure: Closure) -> Ran
     slots = (*model.fit.slots, *(slot for slot in free if (slot.place, slot.run) not in taken))
     found = Ranked(form, engine.fit(start, slots, model.fit.noise, steps=FIRST_STEPS), 0.0, 0.0)
     return polished(engine, found, model.fit, noise_names(engine.simulators))
-
-
-def _taking(model: Model, found: Ranked) -> Model:
-    """Return the model with one of its effects in the closure that was found, and with the fit of that."""
-    taken = {
-        e.name: replace(e, fit=found.fit, hypothesis=found.hypothesis) if e.name == found.name else e
-        for e in model.effects
-    }
-    beliefs = tuple(replace(b, effect=taken[b.name]) for b in model.beliefs)
-    return replace(model, effects=tuple(taken.values()), fit=found.fit, beliefs=beliefs)

@@ -6,16 +6,26 @@ omega [rad/s] yaw rate, w [m/s] rim speeds, b [m] the stated distance of left an
 treads have their own instantaneous centre of rotation on the floor, outside the wheels; its distance over half the
 track is 1 + stretch, 1.3 to 2.5 on real robots, and nearly constant on one floor. Two-wheeled robots have none of it.
 Only measured wheels tell it from motors that answer each other's commands: both scale all turning by one factor.
+
+Soft treads and belts wind up before they turn the body: a difference of the wheels' speeds reaches it through a lag,
+
+    trail d(d) / dt = (w_r - w_l) - d      or      sigma d(d) / ds = (w_r - w_l) - d,
+
+d [m/s] the difference that turns the robot, trail [s], s [m] the way that the wheels roll, sigma [m] the way over
+which a rolling tyre builds up its force (relaxation length: one to two radii, Pacejka, Tyre and Vehicle Dynamics, 3rd
+ed. 2012, section 7.2). Which of the two it is depends on what is soft: belts and gears know no way.
 Source: Mandow, Martinez, Morales, Blanco, Garcia-Cerezo & Gonzalez, Experimental kinematics for wheeled skid-steer
 mobile robots, IROS 2007, section III.
 """
 
 from __future__ import annotations
 
+import math
+
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.slots import HALF_AXLE, INERTIA
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.slots import HALF_AXLE, INERTIA, STEP, TARGET
 
 
 @njit(error_model="numpy")
@@ -24,6 +34,22 @@ def widen(P, o, W):
     factor = 1.0 + P[o]
     W[HALF_AXLE] *= factor
     W[INERTIA] *= factor * factor
+
+
+@njit(error_model="numpy")
+def wind_up(P, o, S, m, W):
+    """Let the difference of the wheels' speeds reach the floor late; their mean goes on as it is."""
+    trail, way = P[o + 1], P[o + 2]
+    if trail <= 0.0 and way <= 0.0:
+        return
+    left, right, step = W[TARGET], W[TARGET + 1], W[STEP]
+    gone = step / trail if trail > 0.0 else 0.5 * (abs(left) + abs(right)) * step / way
+    if gone <= 0.0:  # wheels that stand turn nothing, and what is wound up stays
+        return
+    mean, short = 0.5 * (left + right), S[m] - (right - left)
+    half = 0.5 * (right - left + short * (1.0 - math.exp(-gone)) / gone)
+    S[m] = right - left + short * math.exp(-gone)
+    W[TARGET], W[TARGET + 1] = mean - half, mean + half
 
 
 EFFECT = Effect(
@@ -36,8 +62,24 @@ EFFECT = Effect(
             "stretch", "chi - 1", "1", 0.0, 0.0, 2.0, 0.5, "1.3 to 2.5 times the track (Mandow et al. 2007)",
             starts=(0.3, 1.0),
         ),
+        Parameter(
+            "trail", "tau", "s", 0.0, 0.0, 2.0, 0.0, "soft treads and belts: 0.1 to 1", strength=False,
+            starts=(0.1, 0.4),
+        ),
+        Parameter(
+            "way", "sigma", "m", 0.0, 0.0, 1.0, 0.0, "relaxation length: 0.5 to 2 wheel radii", strength=False,
+            starts=(0.05, 0.2),
+        ),
     ),
-    hooks={"begin": widen},
+    closures=(
+        Closure("full", ("stretch",), "at once"),
+        Closure("trailing", ("stretch", "trail"), "the body turns late",
+            "The robot turns as if its wheels stood {stretch} of the stated axle farther apart, and {trail} late."),
+        Closure("winding up", ("stretch", "way"), "the treads wind up first",
+            "The robot turns as if its wheels stood {stretch} of the stated axle farther apart, after {way} of way."),
+    ),
+    hooks={"begin": widen, "step": wind_up},
+    memory=1,
     channels=("turn",),
     regimes=("turning",),
     separates="all turning is too slow by one factor, at every rate, both ways; the stated axle speaks for it",
