@@ -1,0 +1,105 @@
+"""What an effect's law is: a natural cause with one size, drawn details, and a change of a robot's truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from benchmarks.dart_robots.truth import Body, Drive, Pair, Place, Truth, Watch
+
+Details = dict[str, float]
+BOTH = ("duty", "rate")
+
+
+def nothing(rng: np.random.Generator, truth: Truth) -> Details:
+    """Draw no details."""
+    return {}
+
+
+@dataclass(frozen=True)
+class Law:
+    """One natural cause of a label.
+
+    size : its name with a unit, and the range from hardly visible to as strong as robots are found; the
+    weaker end comes first. touched : what limits it to windows ("rough", "slippery", "seam", "push",
+    "fault" or ""). modes : robots that it can show on; kinds, caster : likewise where not on all.
+    """
+
+    label: str
+    name: str
+    size: str
+    weak: float
+    strong: float
+    apply: Callable[[Truth, float, Details], Truth]
+    draw: Callable[[np.random.Generator, Truth], Details] = nothing
+    modes: tuple[str, ...] = BOTH
+    touched: str = ""
+    caster: str = ""
+    encoders: bool | None = None
+    kinds: tuple[str, ...] = field(default=("duckiebot", "burger", "kobuki", "cart"))
+
+    def at(self, strength: float) -> float:
+        """Return the size at a strength of 0 to 1."""
+        return float(self.weak * (self.strong / self.weak) ** strength)
+
+
+def with_drive(truth: Truth, **changes: Any) -> Truth:
+    """Return the robot with another drive train."""
+    drive: Drive = replace(truth.drive, **changes)
+    return replace(truth, drive=drive)
+
+
+def with_body(truth: Truth, **changes: Any) -> Truth:
+    """Return the robot with another body."""
+    body: Body = replace(truth.body, **changes)
+    return replace(truth, body=body)
+
+
+def with_place(truth: Truth, **changes: Any) -> Truth:
+    """Return the robot in another place."""
+    place: Place = replace(truth.place, **changes)
+    return replace(truth, place=place)
+
+
+def with_watch(truth: Truth, **changes: Any) -> Truth:
+    """Return the robot watched otherwise."""
+    watch: Watch = replace(truth.watch, **changes)
+    return replace(truth, watch=watch)
+
+
+def sides(rng: np.random.Generator, truth: Truth) -> Details:
+    """Draw which wheels are hit: one of them, or both in unlike measure."""
+    which = int(rng.integers(3))
+    if which == 2:
+        return {"left_share": 1.0, "right_share": float(rng.uniform(0.6, 1.0))}
+    return {"left_share": float(which == 0), "right_share": float(which == 1)}
+
+
+def one_side(rng: np.random.Generator, truth: Truth) -> Details:
+    """Draw one wheel."""
+    which = int(rng.integers(2))
+    return {"left_share": float(which == 0), "right_share": float(which == 1)}
+
+
+def both_sides(rng: np.random.Generator, truth: Truth) -> Details:
+    """Draw both wheels in like measure."""
+    low = float(rng.uniform(0.8, 1.0))
+    return (
+        {"left_share": 1.0, "right_share": low}
+        if rng.random() < 0.5
+        else {"left_share": low, "right_share": 1.0}
+    )
+
+
+def heading(rng: np.random.Generator, truth: Truth) -> Details:
+    """Draw a direction on the floor."""
+    return {"heading_rad": float(rng.uniform(-np.pi, np.pi))}
+
+
+def shared(details: Details, size: float, neutral: float = 0.0) -> Pair:
+    """Return a size on the wheels that are hit."""
+    left, right = details["left_share"], details["right_share"]
+    return neutral + (size - neutral) * left, neutral + (size - neutral) * right
