@@ -1,13 +1,17 @@
 r"""The supply sags: with the charge that was drawn, at once with the load, and slowly with a load that lasts.
 
-    T = K u (1 - per_charge Q - per_load I - polarised I_R)
+    T = K u (1 - per_charge Q - per_load I - polarised I_R) f
     I = |u_l| + |u_r|,    dQ/dt = I,    dI_R/dt = (I - I_R) / relaxation
+    f = 1 - inner sum_i max(0, u_i^2 (f - w_i / T_i))
 
 T [m/s] no-load rim speed, K [m/s] gain, u [1] commands, Q [s] seconds of full command drawn by both motors since the
-start of the recording, per_charge [1/s], per_load [1], polarised [1] with its time constant relaxation [s]. Both wheels
+start of the recording, per_charge [1/s], per_load [1], polarised [1] with its time constant relaxation [s]. `inner` [1]
+is the cell's resistance over a motor's: the drop by the current that the bridges draw, in stall currents, which is
+large while a motor speeds up or climbs and small while it runs free, w_i [m/s] rim speed; none flows back. Both wheels
 alike. None of the three is negative, as no cell gains by what is drawn from it: motors that grow stronger as they are
 driven have grease that thins (`motor_warmup`). Source: Thevenin cell with one RC branch, e.g. Plett, Battery
-Management Systems I, 2015, sections 2.2 and 2.3.
+Management Systems I, 2015, sections 2.2 and 2.3; a bridge draws the motor's current for its on time, as in Mohan,
+Undeland & Robbins, Power Electronics, 3rd ed. 2003, section 7.7.
 """
 
 from __future__ import annotations
@@ -17,7 +21,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.slots import COMMAND, STEP, TARGET
+from fsm_calib.world2d.slots import COMMAND, RIM, STEP, TARGET
 
 
 @njit(error_model="numpy")
@@ -30,8 +34,24 @@ def sag(P, o, S, m, W):
     factor = max(1.0 - dip, 0.0)
     S[m] += load * W[STEP]
     S[m + 1] += share * (load - S[m + 1])
+    if P[o + 4] > 0.0:
+        factor *= under_current(S, W, P[o + 4])
     W[TARGET] *= factor
     W[TARGET + 1] *= factor
+
+
+@njit(error_model="numpy")
+def under_current(S, W, inner):
+    """Return the supply's strength [1] under what the motors draw at their rim speeds."""
+    drawn, back = 0.0, 0.0
+    for side in range(2):
+        target = W[TARGET + side]
+        turned = S[RIM + side] / target if target != 0.0 else 1.0
+        if turned < 1.0:  # the motor pushes; one that brakes draws nothing
+            square = W[COMMAND + side] * W[COMMAND + side]
+            drawn += square
+            back += square * turned
+    return max((1.0 + inner * back) / (1.0 + inner * drawn), 0.0)
 
 
 EFFECT = Effect(
@@ -65,6 +85,17 @@ EFFECT = Effect(
             strength=False,
             starts=(4.0, 15.0),
         ),
+        Parameter(
+            "inner",
+            "R_i/R_m",
+            "1",
+            0.0,
+            0.0,
+            2.0,
+            0.0,
+            "cells of 0.1 to 0.5 ohm, motors of 1 to 5",
+            starts=(0.1, 0.4),
+        ),
     ),
     hooks={"step": sag},
     channels=("forward", "turn"),
@@ -83,6 +114,17 @@ EFFECT = Effect(
             ("per_load", "polarised", "relaxation"),
             "dips at once and goes on dipping for a while, and comes back",
             sentence="A load takes {per_load} of the supply's strength at once and {polarised} within {relaxation}.",
+        ),
+        Closure(
+            "inner resistance",
+            ("inner",),
+            "dips by the current that the motors draw",
+            sentence="The supply has {inner} of a motor's resistance.",
+        ),
+        Closure(
+            "charge and resistance",
+            ("per_charge", "inner"),
+            "falls with the charge drawn, and dips by the current",
         ),
     ),
     memory=2,

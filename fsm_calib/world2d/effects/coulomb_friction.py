@@ -7,8 +7,9 @@ r"""Dry friction in motor and gearbox: a torque that always opposes the wheel's 
 
 tau_c [N m] friction torque of one wheel: friction, plus or minus half the difference for left and right; tau_s
 [N m] what it takes beyond that to break away, w_s [m/s] the Stribeck speed; R [m] wheel radius, w [m/s] rim
-speed, F [N] force at the rim; F_r [N] rolling resistance of one wheel, v_i [m/s] the ground's speed at it. Where gears
-have no play the two are hardly told apart; while the teeth are apart the motor's friction stops and the tyre's goes on.
+speed, F [N] force at the rim; F_r [N] rolling resistance of one wheel, plus or minus half its difference, v_i [m/s] the
+ground's speed at it. Where gears have no play the two are hardly told apart; while the teeth are apart the motor's
+friction stops and the tyre's goes on.
 Sources: Armstrong-Helouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083, section 2; Park, Lee & Kuipers, ICRA
 2017 (dry friction of a small differential drive); Wong, Theory of Ground Vehicles, 4th ed. 2008, section 1.2 (rolling
 resistance).
@@ -37,8 +38,9 @@ def resist(P, o, S, m, W):
         if P[o + 2] != 0.0:
             torque += P[o + 2] * math.exp(-abs(S[RIM + side]) / STRIBECK)
         W[DRY + side] += torque / W[RADIUS + side]
-        if P[o + 3] != 0.0:
-            add_dry_way(W, 0.0, contact_arm(W, side, 1.0), 1.0, 0.0, P[o + 3])
+        rolling = max(P[o + 3] + (0.5 - side) * P[o + 4], 0.0)
+        if rolling != 0.0:
+            add_dry_way(W, 0.0, contact_arm(W, side, 1.0), 1.0, 0.0, rolling)
 
 
 EFFECT = Effect(
@@ -73,6 +75,10 @@ EFFECT = Effect(
             "0.5 to 2 % of the load, more on carpet",
             starts=(0.05,),
         ),
+        Parameter(
+            "rolling_difference", "delta_F", "N", 0.0, -2.0, 2.0, 0.0, "left more than right", strength=False,
+            mirror="negate", step=1e-3,
+        ),
     ),
     hooks={"step": resist},
     channels=("forward", "turn"),
@@ -98,8 +104,14 @@ EFFECT = Effect(
             "of the tyres, which roll hard, whether the gears push them or not",
             sentence="Each wheel rolls with a resistance of {rolling}.",
         ),
+        Closure(
+            "each rolls its own",
+            ("rolling", "rolling_difference"),
+            "of the tyres, more of one than of the other",
+            sentence="Each wheel rolls with a resistance of {rolling}, the left one with {rolling_difference} more.",
+        ),
     ),
     order=70,
     dissipative=True,
     universal=True,
-)
+)  # fmt: skip

@@ -43,8 +43,8 @@ inexact   how far the equation itself may be off, as a share of a strength; 0 me
           mass (a force told by speeds), 3 % of anything else. `Parameter.doubt` overrules it for one number
 prior     of a parameter: standard deviation about its null value that is expected before any data
 universal no robot is without it (its mass is never quite over the axle): a little of it needs less proof than a fault
-family    ``resistance``: every robot has some of it, too; of such effects and universal ones (`usual`) too little to
-          matter is modelled without being said
+family    ``resistance``: every robot has some of it, too, and no ``sensor`` that acts everywhere sits quite where it
+          should; of such effects and universal ones (`usual`) too little to matter is modelled without being said
 
 A place or a time is searched by the scan for what it `acts_on`, or by simulation where none is declared. All words
 (`vocabulary`) are checked, and an unknown one is refused with the nearest.
@@ -118,7 +118,8 @@ class Effect:
     @property
     def usual(self) -> bool:
         """Whether every robot has a little of it, which is no finding."""
-        return self.universal or self.family == "resistance"
+        mounting = self.family == "sensor" and not self.scan
+        return self.universal or self.family == "resistance" or mounting
 
     def __post_init__(self) -> None:
         """Freeze the hooks, complete the closures, and check the declaration."""
