@@ -345,6 +345,7 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
     monkeypatch.setattr(Judge, "_weighed", lambda self, selection: model)
     monkeypatch.setattr(decide, "refined", lambda engine, model, least: model)
+    monkeypatch.setattr(decide, "simplified", lambda engine, model: model)
     monkeypatch.setattr(decide, "placed", lambda engine, fit, effects, rng: "placed")
     monkeypatch.setattr(decide, "dated", lambda engine, fit, effects: (fit, "dated"))
     return judge()._answer()

@@ -36,6 +36,7 @@ def test_the_strongest_name_is_said_whatever_it_takes(monkeypatch: pytest.Monkey
     assert said(monkeypatch, lateral_slip=LITTLE, tyre_scrub=LITTLE) == ["lateral_slip"]
 
 
-def test_universal_physics_and_resistances_are_what_every_robot_has() -> None:
+def test_universal_physics_resistances_and_mountings_are_what_every_robot_has() -> None:
     usual = {name for name, effect in registry().items() if effect.usual}
-    assert usual == {"payload_offset", "coulomb_friction", "lateral_slip", "tyre_scrub", "caster_drag"}
+    resisting = {"coulomb_friction", "tyre_scrub", "caster_drag"}
+    assert usual == {"payload_offset", "lateral_slip", *resisting, "sensor_offset", "sensor_yaw"}
