@@ -211,7 +211,7 @@ class Bank:
     def _likeliest(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> Ranked | None:
         """Return the best fit of some forms from all their starts; None where there is none to try."""
         tried = [self.fit(form, start) for form, starts in plans for start in starts]
-        return max(tried, key=lambda ranked: ranked.fit.score, default=None)
+        return max(tried, key=lambda ranked: ranked.evidence, default=None)
 
     def _begun(self, hypothesis: Hypothesis, start: Start, worth: float = 0.0) -> Ranked:
         """Fit one hypothesis at the parent's noise; what does not get near the gain `worth` is given up early."""
