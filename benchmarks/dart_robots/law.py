@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from benchmarks.dart_robots.truth import Body, Drive, Pair, Place, Truth, Watch
+from benchmarks.dart_robots.robots import KINDS
+from benchmarks.dart_robots.truth import Pair, Truth
 
 Details = dict[str, float]
 BOTH = ("duty", "rate")
+PLACES = ("rough", "slippery", "seam")  # what limits an effect to a place
 
 
 def nothing(rng: np.random.Generator, truth: Truth) -> Details:
@@ -39,35 +41,24 @@ class Law:
     touched: str = ""
     caster: str = ""
     encoders: bool | None = None
-    kinds: tuple[str, ...] = field(default=("duckiebot", "burger", "kobuki", "cart"))
+    kinds: tuple[str, ...] = tuple(KINDS)
 
     def at(self, strength: float) -> float:
         """Return the size at a strength of 0 to 1."""
         return float(self.weak * (self.strong / self.weak) ** strength)
 
 
-def with_drive(truth: Truth, **changes: Any) -> Truth:
-    """Return the robot with another drive train."""
-    drive: Drive = replace(truth.drive, **changes)
-    return replace(truth, drive=drive)
+def _changed(part: str) -> Callable[..., Truth]:
+    """Return a function of a robot and changes of one of its parts that returns the changed robot."""
+
+    def changed(truth: Truth, **changes: Any) -> Truth:
+        return replace(truth, **{part: replace(getattr(truth, part), **changes)})
+
+    return changed
 
 
-def with_body(truth: Truth, **changes: Any) -> Truth:
-    """Return the robot with another body."""
-    body: Body = replace(truth.body, **changes)
-    return replace(truth, body=body)
-
-
-def with_place(truth: Truth, **changes: Any) -> Truth:
-    """Return the robot in another place."""
-    place: Place = replace(truth.place, **changes)
-    return replace(truth, place=place)
-
-
-def with_watch(truth: Truth, **changes: Any) -> Truth:
-    """Return the robot watched otherwise."""
-    watch: Watch = replace(truth.watch, **changes)
-    return replace(truth, watch=watch)
+with_drive, with_body = _changed("drive"), _changed("body")
+with_place, with_watch = _changed("place"), _changed("watch")
 
 
 def sides(rng: np.random.Generator, truth: Truth) -> Details:

@@ -10,8 +10,8 @@ import numpy as np
 
 from benchmarks.dart_robots import laws_body, laws_motor
 from benchmarks.dart_robots.driver import Driver, Knows
-from benchmarks.dart_robots.law import Details, Law, with_body, with_drive
-from benchmarks.dart_robots.robots import Facts, Sensing, draw_robot, draw_sensing
+from benchmarks.dart_robots.law import BOTH, PLACES, Details, Law, with_body, with_drive
+from benchmarks.dart_robots.robots import KINDS, Facts, Sensing, draw_robot, draw_sensing
 from benchmarks.dart_robots.simulate import Replay, simulate
 from benchmarks.dart_robots.truth import Moments, Trajectory, Truth
 from benchmarks.dart_robots.visible import Drives, Ratio, ratio
@@ -104,9 +104,9 @@ def same_motion(first: Truth, second: Truth) -> bool:
 def draw_setting(rng: np.random.Generator, labels: list[str], fine: float) -> tuple[Setting, list[Law]]:
     """Draw a robot that can show these labels, and a law for each."""
     offers = [variants(label) for label in labels]
-    modes = [m for m in ("duty", "rate") if all(any(m in law.modes for law in offer) for offer in offers)]
-    mode = modes[0] if len(modes) == 1 else str(rng.choice(["duty", "rate"], p=[0.45, 0.55]))
-    kinds = [k for k in ("duckiebot", "burger", "kobuki", "cart")
+    modes = [m for m in BOTH if all(any(m in law.modes for law in offer) for offer in offers)]
+    mode = modes[0] if len(modes) == 1 else str(rng.choice(BOTH, p=[0.45, 0.55]))
+    kinds = [k for k in KINDS
              if all(any(k in law.kinds for law in offer) for offer in offers)]  # fmt: skip
     fitting: list[list[Law]] | None = None
     while fitting is None or not all(fitting):
@@ -149,7 +149,7 @@ def draw_setting(rng: np.random.Generator, labels: list[str], fine: float) -> tu
 def draw_details(rng: np.random.Generator, law: Law, setting: Setting) -> Details:
     """Draw a law's details; a patch lies at the driver's spot."""
     details = law.draw(rng, setting.truth)
-    if law.touched in ("rough", "slippery", "seam"):
+    if law.touched in PLACES:
         details = details | {
             "x_m": details["x_m"] + setting.spot[0],
             "y_m": details["y_m"] + setting.spot[1],
@@ -293,7 +293,7 @@ def _drive(family: str, setting: Setting, effects: list[Effect], attempt: int) -
         if any(one.touched < 0.02 for one in each[: 2 if effect.law.touched == "fault" else 3]):
             LOG.info("attempt %d: a drive does not touch the place of its effect", attempt)
             return None
-        if effect.law.touched in ("rough", "slippery", "seam") and ratios[-1].touched > 0.65:
+        if effect.law.touched in PLACES and ratios[-1].touched > 0.65:
             LOG.info("attempt %d: the place covers too much of the drives", attempt)
             return None
     return Made(family, setting, truth, tuple(effects), tuple(ratios), drives, {}, attempt + 1)

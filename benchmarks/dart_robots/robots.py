@@ -7,7 +7,7 @@ research cart.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -116,20 +116,16 @@ def draw_robot(rng: np.random.Generator, kind: str, mode: str) -> tuple[Truth, F
         rolling=float(rng.uniform(0.002, 0.005)),
     )
     top_rate = float(rng.uniform(*ranges.top_speed)) / radius
-    return _with_motors(rng, Truth(body, _motors(rng, body, top_rate, mode, ranges.volts)), radius, top_rate)
+    return _finished(rng, Truth(body, _motors(rng, body, top_rate, mode, ranges.volts)), radius, top_rate)
 
 
-def _with_motors(
-    rng: np.random.Generator, truth: Truth, radius: float, top_rate: float
-) -> tuple[Truth, Facts]:
+def _finished(rng: np.random.Generator, truth: Truth, radius: float, top_rate: float) -> tuple[Truth, Facts]:
     """Finish the caster, the tag and the data sheet."""
     load = loads(truth.body)[2]
-    body = Body(
-        **{
-            **truth.body.__dict__,
-            "swivel_torque": float(rng.uniform(0.005, 0.015)) * load * truth.body.caster_radius,
-            "caster_axle_torque": float(rng.uniform(0.005, 0.02)) * load * truth.body.caster_radius,
-        }
+    body = replace(
+        truth.body,
+        swivel_torque=float(rng.uniform(0.005, 0.015)) * load * truth.body.caster_radius,
+        caster_axle_torque=float(rng.uniform(0.005, 0.02)) * load * truth.body.caster_radius,
     )
     watch = Watch(
         tag=(float(rng.uniform(-0.0015, 0.0015)), float(rng.uniform(-0.0015, 0.0015))),

@@ -200,16 +200,16 @@ class Bank:
 
     def best_of(self, effect: Effect) -> Ranked | None:
         """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
-        return self._likeliest(self.plans(effect))
+        return self._best_form(self.plans(effect))
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of the same closure in another recording; None where nothing is in sight there."""
         effect = registry()[event.effect]
         plans = self._scanned(effect, self.scanner.candidates(effect))
-        return self._likeliest([p for p in plans if (p[0].run, p[0].closure) == (run, event.closure)])
+        return self._best_form([p for p in plans if (p[0].run, p[0].closure) == (run, event.closure)])
 
-    def _likeliest(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> Ranked | None:
-        """Return the best fit of some forms from all their starts; None where there is none to try."""
+    def _best_form(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> Ranked | None:
+        """Return the form with the most evidence, fitted from all its starts; None where there is none to try."""
         tried = [self.fit(form, start) for form, starts in plans for start in starts]
         return max(tried, key=lambda ranked: ranked.evidence, default=None)
 

@@ -116,7 +116,7 @@ class Scanner:
         r = self.residual
         white = r.engine.white_columns(r.whiteners, blocks)
         inside = r.basis.T @ white
-        score = white.T @ r.psi - inside.T @ (r.basis.T @ r.psi)
+        score = white.T @ r.psi - inside.T @ r.psi_inside
         power = np.sum(white * white, axis=0) - np.sum(inside * inside, axis=0)
         amplitude = score / ((1.0 + RIDGE) * np.maximum(power, NO_POWER))
         return 0.5 * score * amplitude, amplitude

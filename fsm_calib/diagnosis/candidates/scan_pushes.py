@@ -58,7 +58,7 @@ def innovations_of(residual: Residual, run: int) -> tuple[FloatArray, int]:
     """Return the times (n,) [s] of one recording's innovations, and how many stand before them."""
     prepared = residual.whiteners[run].prepared
     time = np.broadcast_to(prepared.time[:, None], prepared.scored.shape)[prepared.scored]
-    return time, sum(w.prepared.innovations for w in residual.whiteners[:run])
+    return time, residual.rows(run).start
 
 
 def pushes(residual: Residual, run: int, s: Situation, length: float) -> Pushes:

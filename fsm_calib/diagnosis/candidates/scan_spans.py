@@ -51,11 +51,10 @@ def likely_span(residual: Residual, run: int, cells: Cells, sizes: tuple[float, 
 
 def _best(residual: Residual, run: int, cells: Cells, sizes: tuple[float, float], edges: FloatArray) -> Span:
     """Return the most promising span between two of `edges` [s]; what is fitted is taken off the cells' products."""
-    whitener, begin = residual.whiteners[run], sum(w.prepared.innovations for w in residual.whiteners[:run])
-    white = residual.engine.white_columns((whitener,), (cells(edges),))
-    psi, basis = (rows[begin : begin + len(white)] for rows in (residual.psi, residual.basis))
-    inside = basis.T @ white
-    score = np.r_[0.0, np.cumsum(psi @ white - (residual.basis.T @ residual.psi) @ inside)]
+    white = residual.engine.white_columns((residual.whiteners[run],), (cells(edges),))
+    rows = residual.rows(run)
+    inside = residual.basis[rows].T @ white
+    score = np.r_[0.0, np.cumsum(residual.psi[rows] @ white - residual.psi_inside @ inside)]
     gram = np.zeros((len(edges), len(edges)))
     gram[1:, 1:] = np.cumsum(np.cumsum(white.T @ white - inside.T @ inside, axis=0), axis=1)
     i, j = np.triu_indices(len(edges), 1)

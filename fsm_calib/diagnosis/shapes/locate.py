@@ -103,13 +103,9 @@ class Flips:
 
     def watch(self, products: Products) -> None:
         """Take note of the surprises of a group under the random signs."""
-        gram = products.gram
-        mean, variance = float(np.trace(gram)), 2.0 * float(np.sum(gram * gram))
-        if variance <= 0.0:
-            return
-        scale = variance / (2.0 * mean)
-        q = np.sum((self.signs @ products.parts) ** 2, axis=1)
-        np.maximum(self.largest, -log_tail(q / scale, mean / scale) / np.log(10.0), out=self.largest)
+        if not products.has_nothing:
+            energy = np.sum((self.signs @ products.parts) ** 2, axis=1)
+            np.maximum(self.largest, products.surprise(energy), out=self.largest)
 
 
 def flip_test(
@@ -150,12 +146,8 @@ def _regime(strong: Sequence[LeftOver], situations: list[Situation]) -> str:
 def _when(residual: Residual, situations: list[Situation]) -> tuple[tuple[float, float], ...]:
     """Return the seconds in which the residual is larger than noise, joined, of the recording that shows most."""
     best: tuple[float, tuple[tuple[float, float], ...]] = (0.0, ())
-    begin = 0
-    for whitener in residual.whiteners:
-        p = whitener.prepared
-        count = p.innovations
-        psi = residual.psi[begin : begin + count]
-        begin += count
+    for run, whitener in enumerate(residual.whiteners):
+        p, psi = whitener.prepared, residual.psi[residual.rows(run)]
         second = np.broadcast_to(np.floor((p.time - p.time[0]) / BIN).astype(int)[:, None], p.scored.shape)[
             p.scored
         ]

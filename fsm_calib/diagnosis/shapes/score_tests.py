@@ -54,6 +54,16 @@ class Residual:
     whiteners: tuple[Whitener, ...]
     engine: Engine
 
+    def rows(self, run: int) -> slice:
+        """Return where one recording's innovations stand among all."""
+        begin = sum(w.prepared.innovations for w in self.whiteners[:run])
+        return slice(begin, begin + self.whiteners[run].prepared.innovations)
+
+    @cached_property
+    def psi_inside(self) -> FloatArray:
+        """What of psi the fitted Jacobian spans, (m,): taken off products of columns that have not been projected."""
+        return np.asarray(self.basis.T @ self.psi)
+
     @cached_property
     def weighted_basis(self) -> FloatArray:
         """The basis (N, m) with the residual's robust weights."""
@@ -110,6 +120,17 @@ class Products:
     gram: FloatArray
     parts: FloatArray
 
+    @property
+    def has_nothing(self) -> bool:
+        """Whether the columns are nothing beside what is fitted."""
+        return not np.any(self.gram)
+
+    def surprise(self, energy: float | FloatArray) -> FloatArray:
+        """Return -log10 of the chance that squared scores are so large (Satterthwaite's chi-square)."""
+        mean, variance = float(np.trace(self.gram)), 2.0 * float(np.sum(self.gram * self.gram))
+        scale = variance / (2.0 * mean)
+        return np.asarray(-log_tail(energy / scale, mean / scale) / np.log(10.0))
+
 
 @dataclass(frozen=True)
 class Blocks:
@@ -132,19 +153,18 @@ NO_BLOCKS = Blocks(np.zeros(0, dtype=int), 0)
 def products_of(residual: Residual, group: Group, blocks: Blocks = NO_BLOCKS) -> Products:
     """Return a group's products, recording by recording; what is fitted is taken off the products of whole columns."""
     found: list[tuple[FloatArray, ...]] = []
-    begin = 0
-    for whitener, make in zip(residual.whiteners, group.makers, strict=True):
-        white = residual.engine.white_columns([whitener], [make()])
-        psi, basis = (rows[begin : begin + len(white)] for rows in (residual.psi, residual.basis))
-        found.append((psi @ white, basis.T @ white, blocks.sums(begin, psi, white), white.T @ white))
-        begin += len(white)
+    for run, make in enumerate(group.makers):
+        white = residual.engine.white_columns(residual.whiteners[run : run + 1], [make()])
+        rows = residual.rows(run)
+        psi, basis = residual.psi[rows], residual.basis[rows]
+        found.append((psi @ white, basis.T @ white, blocks.sums(rows.start, psi, white), white.T @ white))
     join = _side_by_side if group.own else _summed
     scores, inside, parts, gram = join(found)
     whole = float(np.trace(gram))
     gram = gram - inside.T @ inside
     if float(np.trace(gram)) < SPANNED * whole:
         gram = np.zeros_like(gram)
-    scores = scores - inside.T @ (residual.basis.T @ residual.psi)
+    scores = scores - inside.T @ residual.psi_inside
     return Products(scores, gram, parts - blocks.sums(0, residual.psi, residual.basis) @ inside)
 
 
@@ -167,15 +187,12 @@ def test_group(residual: Residual, group: Group) -> LeftOver:
 def test_products(group: Group, products: Products) -> LeftOver:
     """Test a group whose products are at hand."""
     scores, gram = products.scores, products.gram
-    mean, variance = float(np.trace(gram)), 2.0 * float(np.sum(gram * gram))
-    if variance <= 0.0:
+    if products.has_nothing:
         return LeftOver(group.named_alone(), 0.0, 0.0, np.zeros(len(scores)))
-    scale = variance / (2.0 * mean)
-    log_p = float(log_tail(float(scores @ scores) / scale, mean / scale))
-    ridge = 1e-3 * mean / len(gram)
+    ridge = 1e-3 * float(np.trace(gram)) / len(gram)
     coefficients = np.asarray(np.linalg.solve(gram + ridge * np.eye(len(gram)), scores), dtype=float)
     gain = 0.5 * float(scores @ coefficients) - 0.5 * len(gram)
-    return LeftOver(group.named_alone(), -log_p / np.log(10.0), gain, coefficients)
+    return LeftOver(group.named_alone(), float(products.surprise(scores @ scores)), gain, coefficients)
 
 
 def log_tail(energy: float | FloatArray, degrees: float | FloatArray) -> FloatArray:

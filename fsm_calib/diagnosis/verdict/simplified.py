@@ -35,12 +35,10 @@ def _by(engine: Engine, model: Model, effect: Ranked, closure: Closure) -> Ranke
     """Return an effect by a closure that frees less; None where it says another thing, or says it worse."""
     form, fit = effect.hypothesis, model.fit
     spare = set(form.names) - set(closure.frees)
-    held = {f"{effect.name}.{name}": value for name, value in closure.fixes.items()}
-    if (
-        not set(closure.frees) < set(form.names)
-        or form.held != held
-        or not _are_near_nothing(fit, effect.name, spare)
-    ):
+    less = replace(form, names=closure.frees, closure=closure.name)
+    if not set(closure.frees) < set(form.names) or form.held != less.held:
+        return None
+    if not _are_near_nothing(fit, effect.name, spare):
         return None
     table, declared = parameter_table(), registry()[effect.name]
     nothing = {f"{effect.name}.{name}": declared.parameter(name).null for name in spare}
@@ -49,7 +47,7 @@ def _by(engine: Engine, model: Model, effect: Ranked, closure: Closure) -> Ranke
     simpler = engine.fit(with_values(fit.values, nothing), slots, fit.noise, steps=FIRST_STEPS, refresh=True)
     if evidence_of(fit, simpler, engine.count) > 0.0:
         return None
-    return replace(effect, hypothesis=replace(form, names=closure.frees, closure=closure.name), fit=simpler)
+    return replace(effect, hypothesis=less, fit=simpler)
 
 
 def _are_near_nothing(fit: Fit, name: str, spare: set[str]) -> bool:
