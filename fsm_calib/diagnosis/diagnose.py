@@ -9,6 +9,7 @@ from time import perf_counter
 from fsm_calib.diagnosis.candidates.charge import charges_told
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.jitter import jitter_told
+from fsm_calib.diagnosis.candidates.speed_loop import loop_told
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
@@ -90,6 +91,7 @@ def diagnose(
     notes = (
         *taken.notes,
         *at_bounds(decision.base),
+        *loop_told(decision.model.fit),
         *charges_told(decision.model.fit),
         *jitter_told(decision.model.fit),
         *untold_mass(verdict.effects, simulators),

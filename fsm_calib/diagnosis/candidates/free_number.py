@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
+import numpy as np
+
 from fsm_calib.diagnosis.candidates.ranking import Bank, evidence_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -17,13 +19,18 @@ NEEDED = (
 KEPT = 0.5  # of its evidence beside a rival: a spot of grease leaves the grip a fifth, a mat that brakes leaves it all
 
 
-def with_free(engine: Engine, fit: Fit, slots: Sequence[Slot], starts: Sequence[float]) -> Fit:
-    """Return the fit with more numbers free, the best of several starts, and the noise of speeds fitted again."""
+def with_free(
+    engine: Engine, fit: Fit, slots: Sequence[Slot], starts: Sequence[float | tuple[float, ...]]
+) -> Fit:
+    """Return the fit with more numbers free, the best of several starts, and the noise of speeds fitted again.
+
+    starts : one number for all slots, or one for each.
+    """
     tried = []
     for start in starts:
         values = fit.values.copy()
-        for slot in slots:
-            values[slice(None) if slot.run == ALL_RUNS else slot.run, slot.place] = start
+        for slot, number in zip(slots, np.broadcast_to(start, len(slots)), strict=True):
+            values[slice(None) if slot.run == ALL_RUNS else slot.run, slot.place] = number
         tried.append(engine.fit(values, (*fit.slots, *slots), fit.noise, steps=STEPS))
     best = engine.refit_noise(max(tried, key=lambda t: t.score), SPEED_NOISE, 3)
     return engine.fit(best.values, best.slots, best.noise, steps=STEPS)

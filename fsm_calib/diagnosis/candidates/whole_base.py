@@ -1,4 +1,4 @@
-"""The base robot with all that recordings may ask of it: a battery's charge for each drive, its tyres."""
+"""The base robot with all that recordings may ask of it: a speed controller, a charge for each drive, its tyres."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from fsm_calib.diagnosis.candidates.charge import with_charges
 from fsm_calib.diagnosis.candidates.jitter import with_jitter
+from fsm_calib.diagnosis.candidates.speed_loop import with_speed_loop
 from fsm_calib.diagnosis.candidates.tyre_grip import with_tyres
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -17,6 +18,7 @@ def fit_whole_base(engine: Engine, effects: Sequence[Effect]) -> Fit:
     base = fit_base(engine)
     if engine.simulators[0].measured_input:
         return base
-    base = with_jitter(engine, base)
-    charged = with_charges(engine, base, [e for e in effects if not e.scan])
+    lasting = [e for e in effects if not e.scan]
+    held = with_jitter(engine, with_speed_loop(engine, base, lasting))
+    charged = with_charges(engine, held, lasting)
     return with_tyres(engine, charged, [e for e in effects if e.scan == "place"])

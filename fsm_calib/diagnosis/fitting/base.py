@@ -175,6 +175,11 @@ def with_phases(engine: Engine, fit: Fit, own: Sequence[Slot]) -> FloatArray:
     return values
 
 
+def settled(engine: Engine, fit: Fit) -> Fit:
+    """Return a fit whose numbers and noise were fitted in turn until that wins nothing."""
+    return _in_turn(engine, fit.values, fit.slots, noise_names(engine.simulators))
+
+
 def _in_turn(engine: Engine, values: FloatArray, slots: tuple[Slot, ...], free: Sequence[int]) -> Fit:
     """Fit parameters and noise in turn until that wins nothing."""
     noise, before = Noise(), -np.inf

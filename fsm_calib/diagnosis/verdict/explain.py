@@ -89,7 +89,8 @@ def base_estimates(fit: Fit) -> dict[str, Estimate]:
     table = parameter_table()
     found = {}
     for slot, value, variance in fit.numbers():
-        if table.owner[slot.place] == "":
+        owner = table.owner[slot.place]
+        if not owner or registry()[owner].family == "base":
             spread, unit = math.sqrt(max(variance, 0.0)), table.entries[slot.place].unit
             tail = "" if slot.run == ALL_RUNS else f"_{slot.run + 1}"
             found[table.names[slot.place] + tail] = Estimate(value, spread, unit)

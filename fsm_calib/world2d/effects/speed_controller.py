@@ -1,0 +1,75 @@
+r"""The robot's own controller holds each wheel's speed: proportional and integral, with a weight on the set point.
+
+    T = weight w_s + z,        dz/dt = hold (w_s - w)
+
+T [m/s] no-load rim speed that the motor is driven with, w_s [m/s] set point (gain times command), w [m/s] rim speed,
+z [m/s] what the integral adds, hold [1/s] integral over proportional gain, weight [1] the share of the set point that
+acts at once. With a motor F = D_m (duty w_0 - w), w_0 its free speed, and a controller that gives the duty
+(c w_s + p (w_s - w) + i int (w_s - w) dt) / w_0, this is the base robot's motor with D = D_m (1 + p), and hold =
+i / (1 + p), weight = (c + p) / (1 + p): the stiffness goes into its time constants, the integral remains. It overshoots
+after each step of the set point, and no lasting load slows the wheels down: friction, slopes and drag show for a moment
+only. Where a wheel that is told to rest is slower than `STILL`, the integral dies away within the time let_go [s] (over
+1 - |w| / STILL, so that nothing jumps), as firmware lets its motors go so that nothing creeps (assumed). Also assumed:
+no limit of the voltage is met. The integral's memory is a way: z = hold (the way asked for - the way rolled).
+
+Robots that are told velocities (ROS) have one; those that are told duties (a Duckiebot) have none. It is how a robot is
+built, not what is wrong with it: of the base family, set free by `diagnosis.candidates.speed_loop`.
+Source: Astrom & Murray, Feedback Systems, 2nd ed. 2021, sections 11.1 and 11.5 (weights of the set point).
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.slots import ANGLE, RADIUS, RIM, STEP, TARGET
+
+STILL, REST = 0.01, 1e-5
+"""A wheel that is slower than the one [m/s] stands, one that is told less than the other is told to rest (assumed)."""
+
+
+@njit(error_model="numpy")
+def hold_speed(P, o, S, m, W):
+    """Drive each motor by its set point and by how far it is behind the way that it should have rolled."""
+    hold, step = P[o], W[STEP]
+    for side in range(2):
+        way, wanted, rim = m + side, W[TARGET + side], S[RIM + side]
+        rolled = W[RADIUS + side] * S[ANGLE + side]
+        if abs(wanted) < REST and abs(rim) < STILL:
+            rate = (1.0 - abs(rim) / STILL) / P[o + 2]
+            S[way] = rolled + (S[way] - rolled) * math.exp(-step * rate)
+        W[TARGET + side] = P[o + 1] * wanted + hold * (S[way] - rolled + 0.5 * step * (wanted - rim))
+        S[way] += step * wanted
+
+
+EFFECT = Effect(
+    name="speed_controller",
+    family="base",
+    summary="a controller holds the wheels' speeds (where the base's motors are driven with duties)",
+    equation="T = weight w_s + z, dz/dt = hold (w_s - w)",
+    parameters=(
+        Parameter(
+            "hold", "k_i/k_p", "1/s", 0.0, 0.0, 40.0, 4.0, "settles within a second: 1 to 20", starts=(4.0,)
+        ),
+        Parameter(
+            "weight", "beta", "1", 1.0, 0.0, 1.5, 1.0, "0 to 1; 1 with a full feed-forward", strength=False
+        ),
+        Parameter(
+            "let_go", "t_0", "s", 0.05, 0.001, 1000.0, 0.05, "assumed; firmware lets its motors go soon after a stop",
+            strength=False, fitted=False,
+        ),
+    ),
+    hooks={"step": hold_speed},
+    memory=2,
+    channels=("forward", "turn"),
+    regimes=("transient", "starting", "stopping"),
+    separates="the wheels overshoot after each step of the command, and no lasting load slows them down",
+    rivals=("motor_asymmetric_lag", "command_delay", "motor_deadband"),
+    manoeuvre="steps between speeds, and a pause after each",
+    sentence="A controller holds the wheels' speeds, with an integral of {hold}.",
+    source="Astrom & Murray, Feedback Systems, 2nd ed. 2021, section 11.5",
+    input="command",
+    order=47,
+)  # fmt: skip

@@ -1,0 +1,102 @@
+"""A controller with an integral holds the wheels' speeds: how robots are built that are told velocities."""
+
+import numpy as np
+import pytest
+from diagnosis_robots import engine_of, judged, recording
+
+from fsm_calib.diagnosis.candidates.speed_loop import HOLD, WEIGHT
+from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
+from fsm_calib.diagnosis.diagnose import diagnose
+from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table, parameters
+from fsm_calib.world2d.rollout import Drive, simulate
+
+RIVALS = ("coulomb_friction", "motor_asymmetric_lag", "command_delay", "motor_deadband", "battery_sag")
+GAIN, LAG = 0.6, 0.1
+HOLD_PLACE, WEIGHT_PLACE = (parameter_table().place(name) for name in (HOLD, WEIGHT))
+
+
+def speeds(times, levels, grid, **effects):
+    """Return the robot's speed [m/s] at the times of `grid` on straights at some commands."""
+    base = dict.fromkeys(("gain_left", "gain_right"), GAIN) | {"tau_forward": LAG, "slip_speed": 1e-4}
+    values = parameters(base | {key.replace("__", "."): value for key, value in effects.items()})
+    return simulate(values, Drive(np.array(times), levels, levels), grid, (0.0, 0.0, 0.0))[:, 3]
+
+
+def based(*recordings):
+    return fit_whole_base(engine_of(*recordings), [registry()[name] for name in RIVALS])
+
+
+def free(fit):
+    return {slot.place: float(value) for slot, value, _ in fit.numbers()}
+
+
+@pytest.mark.parametrize(("hold", "weight"), [(4.0, 1.0), (10.0, 0.3), (25.0, 0.0)])
+def test_a_step_rings_as_a_loop_of_second_order(hold, weight):
+    """tau w'' + w' + hold w = weight w_s' + hold w_s, integrated apart in steps of 0.1 ms."""
+    grid = np.arange(0.0, 2.0, 0.005)
+    step, wanted, speed, integral, expected = 1e-4, GAIN * 0.5, 0.0, 0.0, [0.0]
+    for _ in range(round(grid[-1] / step)):
+        missed = wanted - speed
+        speed += step * (weight * wanted + integral - speed) / LAG
+        integral += step * hold * missed
+        expected.append(speed)
+    found = speeds([0.0], [0.5], grid, speed_controller__hold=hold, speed_controller__weight=weight)
+    assert found == pytest.approx(np.array(expected)[np.rint(grid / step).astype(int)], abs=4e-3)
+
+
+def test_no_lasting_load_slows_it_down():
+    grid = np.arange(0.0, 4.0, 0.01)
+    load = {"coulomb_friction__friction": 0.02}
+    free_run, loaded = (speeds([0.0], [0.5], grid, **e)[-1] for e in ({}, load))
+    held = speeds([0.0], [0.5], grid, speed_controller__hold=4.0, **load)[-1]
+    assert loaded < 0.95 * free_run
+    assert held == pytest.approx(free_run, rel=1e-3)
+
+
+def test_it_lets_go_where_the_robot_rests():
+    """What the integral had gathered against a load is not there at the next start."""
+    grid = np.arange(0.0, 6.0, 0.01)
+    options = {"speed_controller__hold": 4.0, "coulomb_friction__friction": 0.02, "slip_speed": 0.0125}
+    speed = speeds([0.0, 2.0, 4.0], [0.5, 0.0, 0.5], grid, **options)
+    assert np.abs(speed[360:400]).max() < 1e-6
+    assert speed[400:500] == pytest.approx(speed[:100], abs=1e-3)
+
+
+def test_a_robot_that_has_one_is_given_one():
+    fit = based(*(recording(seed, speed_controller__hold=5.0) for seed in (0, 1)))
+    assert free(fit)[HOLD_PLACE] == pytest.approx(5.0, rel=0.1)
+    assert WEIGHT_PLACE not in free(fit)
+
+
+def test_one_without_feed_forward_has_a_weight_of_its_set_point():
+    fit = based(*(recording(s, speed_controller__hold=5.0, speed_controller__weight=0.4) for s in (0, 1)))
+    assert free(fit)[HOLD_PLACE] == pytest.approx(5.0, rel=0.1)
+    assert free(fit)[WEIGHT_PLACE] == pytest.approx(0.4, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [
+        {},
+        {"coulomb_friction__friction": 0.01},
+        {"motor_deadband__offset": 0.06},
+        {"command_delay__delay": 0.25},
+        {"motor_asymmetric_lag__ratio": 1.6},
+    ],
+    ids=lambda robot: next(iter(robot), "nothing"),
+)
+def test_a_robot_that_is_told_duties_has_none(robot):
+    assert HOLD_PLACE not in free(based(*(recording(seed, **robot) for seed in (0, 1))))
+
+
+def test_it_is_said_and_never_accused():
+    found = diagnose([recording(seed, speed_controller__hold=5.0) for seed in (0, 1)])
+    assert found.decision.outcome == "match"
+    assert found.verdict.base[HOLD].value == pytest.approx(5.0, rel=0.1)
+    assert any("a controller holds the wheels' speeds (integral" in note for note in found.notes)
+
+
+def test_an_effect_is_named_beside_it():
+    decision = judged(RIVALS, speed_controller__hold=5.0, motor_deadband__offset=0.08)
+    assert [belief.name for belief in decision.named] == ["motor_deadband"]
