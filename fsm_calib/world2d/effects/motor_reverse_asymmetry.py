@@ -3,12 +3,16 @@ r"""A motor is weaker (or stronger) backwards than forwards.
     u_effective = u                               u >= 0
     u_effective = u (1 - loss -+ difference / 2)  u < 0, left -, right +
     u_effective = u + drop_i tanh(|u| / 0.05)     u < 0, as a voltage drop
+    T_i -> T_i / (1 + flux_i),    D_i -> D_i (1 + flux_i)^2       w_i < 0, as another motor constant
 
 loss [1]: mean over both motors; difference [1]: what the left motor loses more than the right one; drop [1]: a
 piece of the command that a junction in the way of the reverse current takes, whole from 0.1 of the command on.
-Brushed motors with advanced brushes run 2 to 15 % slower one way; the two motors of a robot are
-mounted as mirror images. Source: Hughes & Drury, Electric Motors and Drives, 5th ed., section 3.2 (brush
-shift); section 2.4 (voltage drops of devices).
+flux [1]: how much larger the motor's constant k is while it turns backwards, w [m/s] its rim speed. Brushes that are
+set for one direction cut the armature at another angle in the other; speed and torque both go by k, so that the no-load
+speed T [m/s] falls with 1 / k, and the slope D [N s/m] of the torque grows with k^2: slower, but stiffer. Brushed
+motors with advanced brushes run 2 to 15 % slower one way; the two motors of a robot are mounted as mirror images.
+Source: Hughes & Drury, Electric Motors and Drives, 5th ed., sections 3.2 (brush shift, k = K phi) and 2.4 (voltage
+drops of devices).
 """
 
 from __future__ import annotations
@@ -19,6 +23,7 @@ from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.wheels import of_each_wheel
+from fsm_calib.world2d.slots import DRIVE, RIM, TARGET
 
 FULL_DROP = 0.05
 """Command at which 76 % of a junction's drop are there [1] (assumed)."""
@@ -31,6 +36,17 @@ def weaken(P, o, u, side):
         return u
     lost = (P[o + 2] + P[o + 3 + side]) * math.tanh(-u / FULL_DROP)
     return min(u * (1.0 - P[o] + (0.5 - side) * -P[o + 1]) + lost, 0.0)
+
+
+@njit(error_model="numpy")
+def turn_by_flux(P, o, S, m, W):
+    """Give motors that turn backwards, or start to, their other constant."""
+    for side in range(2):
+        rim = S[RIM + side]
+        if rim < 0.0 or (rim == 0.0 and W[TARGET + side] < 0.0):
+            k = 1.0 + P[o + 5 + side]
+            W[TARGET + side] /= k
+            W[DRIVE + side] *= k * k
 
 
 EFFECT = Effect(
@@ -65,8 +81,11 @@ EFFECT = Effect(
                 starts=(0.05, -0.05),
             )
         ),
+        *of_each_wheel(
+            Parameter("flux", "phi", "1", 0.0, -0.4, 0.6, 0.0, "brush shift: 2 to 20 %", starts=(0.1, -0.1))
+        ),
     ),
-    hooks={"shape": weaken},
+    hooks={"shape": weaken, "step": turn_by_flux},
     channels=("forward", "turn"),
     regimes=("reverse",),
     separates="changes with the sign of each wheel's command only, at all speeds and places alike",
@@ -94,6 +113,13 @@ EFFECT = Effect(
             ("drop_right",),
             "a piece of every reverse command of the right motor is lost",
             sentence="Backwards the right motor loses {drop_right} of every command.",
+        ),
+        Closure(
+            "another constant",
+            ("flux_left", "flux_right"),
+            "backwards the motors' constant is another",
+            sentence="Backwards the motors are slower and stiffer: their constant is larger by {flux_left} (left) and "
+            "{flux_right} (right).",
         ),
     ),
     input="command",

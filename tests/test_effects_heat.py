@@ -1,0 +1,88 @@
+"""Windings that are heated by their own current, and motors whose constant is another one backwards."""
+
+import numpy as np
+import pytest
+from diagnosis_robots import judged
+
+from fsm_calib.world2d.parameters import parameter_table, parameters
+from fsm_calib.world2d.rollout import Drive, simulate
+
+GAIN, LAG = 0.6, 0.15
+HEAT = {"motor_warmup__heat": 8.0, "motor_warmup__effort": 20.0}
+FLUX = {"motor_reverse_asymmetry__flux_left": 0.15, "motor_reverse_asymmetry__flux_right": 0.1}
+MOTOR_RIVALS = ("motor_warmup", "battery_sag", "motor_asymmetric_lag", "motor_reverse_asymmetry")
+
+
+def speeds(times, levels, grid, **effects):
+    """Return the robot's speed [m/s] at the times of `grid` on straights at some commands."""
+    base = dict.fromkeys(("gain_left", "gain_right"), GAIN) | {"tau_forward": LAG}
+    values = parameters(base | {key.replace("__", "."): value for key, value in effects.items()})
+    return simulate(values, Drive(np.array(times), levels, levels), grid, (0.0, 0.0, 0.0))[:, 3]
+
+
+def rise(speed, grid, start):
+    """Return the time [s] after `start` in which 63 % of a step of the speed are done."""
+    part = speed[(grid >= start) & (grid < start + 1.5)]
+    share = (part - part[0]) / (part[-1] - part[0])
+    return float(np.interp(1.0 - np.exp(-1.0), share, grid[: len(part)]))
+
+
+def shuttling(seconds):
+    """Return times and levels of a robot that reverses all the time, then rests and goes once more."""
+    times = np.arange(0.0, seconds, 0.5)
+    levels = np.where(np.arange(len(times)) % 2, -0.6, 0.6)
+    return [*times, seconds, seconds + 2.0], [*levels, 0.0, 0.6]
+
+
+def test_a_robot_that_runs_free_stays_cool():
+    grid = np.arange(0.0, 33.0, 0.01)
+    drive = [0.0, 30.0, 31.0], [0.6, 0.0, 0.6]
+    speed = speeds(*drive, grid, **HEAT)
+    assert rise(speed, grid, 31.0) == pytest.approx(rise(speed, grid, 0.0), rel=0.05)
+    assert speed[2900] == pytest.approx(speeds(*drive, grid)[2900], rel=1e-3)
+
+
+def test_one_that_reverses_all_the_time_has_slower_motors_and_cools_again():
+    grid = np.arange(0.0, 100.0, 0.01)
+    times, levels = shuttling(30.0)
+    times, levels = [*times, 34.0, 94.0], [*levels, 0.0, 0.6]
+    speed = speeds(times, levels, grid, **HEAT)
+    cold, hot, cooled = (
+        rise(speeds([0.0], [0.6], grid), grid, 0.0),
+        rise(speed, grid, 32.0),
+        rise(speed, grid, 94.0),
+    )
+    assert hot > 1.3 * cold
+    assert cooled < 1.05 * cold
+
+
+def test_weak_magnets_make_it_faster():
+    grid = np.arange(0.0, 34.0, 0.01)
+    speed = speeds(*shuttling(30.0), grid, motor_warmup__magnet=0.5, **HEAT)
+    assert speed[-1] > 1.05 * speeds(*shuttling(30.0), grid)[-1]
+
+
+def test_backwards_another_constant_is_slower_and_stiffer():
+    """No-load speed by 1 / k; stiffer by k^2: the time constant falls as 1 / k^2."""
+    grid = np.arange(0.0, 3.0, 0.01)
+    options = dict.fromkeys(FLUX, 0.2)
+    ahead, back = (speeds([0.0], [level], grid, **options) for level in (0.5, -0.5))
+    assert back[-1] == pytest.approx(-ahead[-1] / 1.2, rel=2e-3)
+    assert rise(back, grid, 0.0) == pytest.approx(rise(ahead, grid, 0.0) / 1.2**2, rel=0.05)
+
+
+def test_windings_heated_by_their_current_are_named():
+    decision = judged(MOTOR_RIVALS, **HEAT)
+    assert [belief.name for belief in decision.named] == ["motor_warmup"]
+    assert decision.model.effects[0].hypothesis.closure == "heat of the current"
+    place = parameter_table().place("motor_warmup.heat")
+    assert decision.model.fit.values[0, place] == pytest.approx(8.0, rel=0.25)
+
+
+def test_another_constant_backwards_is_named_with_its_sizes():
+    decision = judged(MOTOR_RIVALS, **FLUX)
+    assert [belief.name for belief in decision.named] == ["motor_reverse_asymmetry"]
+    assert decision.model.effects[0].hypothesis.closure == "another constant"
+    for name, size in FLUX.items():
+        place = parameter_table().place(name.replace("__", "."))
+        assert decision.model.fit.values[0, place] == pytest.approx(size, rel=0.1)
