@@ -3,13 +3,17 @@ r"""Speed is not proportional to command: the gain falls (or grows) with the com
     u_effective = u (1 - gamma |u|)           |u| <= 1 / (2 gamma), constant beyond
     u_effective = u |u|^p                     as a power law
     u_effective = u + s sin(2 pi u) / (2 pi)  S-shaped
+    T -> T / b,    D -> D b,    b = 1 - coasting (1 - |u|)       a bridge that coasts
 
 u [1] command, gamma [1] curvature, of both wheels or (gamma_l, gamma_r) of one, p [1] exponent beyond one, s [1]
 swing: the gain is 1 + s at both ends and 1 - s in the middle. At command u the motor lacks gamma |u| of what its gain
 at small commands promises. Drivers that recirculate current and batteries with inner resistance bend the line down;
-crossover and compression of output stages make an S, of which s is the first harmonic. Source: Sedra & Smith,
+crossover and compression of output stages make an S, of which s is the first harmonic. coasting [1] is the share of a
+pulse's off time in which the bridge is open: the motor's own voltage brakes it only while the bridge conducts, a share
+b [1] of the time, so that the no-load speed T [m/s] is that of a larger command and the slope D [N s/m] of the torque
+is small: fast at small commands, but weak, and it rolls out where it is told to stop. Source: Sedra & Smith,
 Microelectronic Circuits, 7th ed., section 12 (output stages); DB18 measurements scatter by 5 to 15 %
-(duckietown-world).
+(duckietown-world); Texas Instruments, DRV8833 data sheet, section 7.3 (fast and slow decay).
 """
 
 from __future__ import annotations
@@ -20,6 +24,10 @@ from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.wheels import of_each_wheel
+from fsm_calib.world2d.slots import COMMAND, DRIVE, TARGET
+
+LEAST_SHARE = 0.05
+"""Least share of the time [1] in which a bridge conducts: no motor is without any braking (assumed)."""
 
 
 @njit(error_model="numpy")
@@ -34,6 +42,17 @@ def bend(P, o, u, side):
     if P[o + 4] != 0.0 and size < 1.0:
         size += P[o + 4] * math.sin(2.0 * math.pi * size) / (2.0 * math.pi)
     return size if u > 0.0 else -size
+
+
+@njit(error_model="numpy")
+def coast(P, o, S, m, W):
+    """Let each motor brake itself only while its bridge conducts."""
+    if P[o + 5] <= 0.0:
+        return
+    for side in range(2):
+        share = max(1.0 - P[o + 5] * (1.0 - min(abs(W[COMMAND + side]), 1.0)), LEAST_SHARE)
+        W[TARGET + side] /= share
+        W[DRIVE + side] *= share
 
 
 EFFECT = Effect(
@@ -72,8 +91,11 @@ EFFECT = Effect(
         Parameter(
             "swing", "s", "1", 0.0, -0.95, 0.95, 0.0, "weak or strong in the middle", starts=(0.15, -0.15)
         ),
+        Parameter(
+            "coasting", "c", "1", 0.0, 0.0, 0.95, 0.0, "0 in slow decay, towards 1 in fast", starts=(0.1, 0.5)
+        ),
     ),
-    hooks={"shape": bend},
+    hooks={"shape": bend, "step": coast},
     channels=("forward", "turn"),
     regimes=("large_command", "small_command"),
     separates="bends over the whole range, where a dead band shifts and a limit cuts",
@@ -114,6 +136,13 @@ EFFECT = Effect(
             ("swing",),
             "more at both ends than in the middle, or less",
             sentence="The gain is {swing} of itself higher at small and full commands, and as much lower between.",
+        ),
+        Closure(
+            "coasting",
+            ("coasting",),
+            "the bridge is open in a part of each pulse, so that the motor does not brake itself",
+            sentence="The motors coast in {coasting} of their pulses' off time: fast at small commands, and weak.",
+            source="Texas Instruments, DRV8833 data sheet, section 7.3",
         ),
     ),
     order=40,

@@ -1,4 +1,4 @@
-"""Windings that are heated by their own current, and motors whose constant is another one backwards."""
+"""Motors as they are: windings heated by their current, another constant backwards, bridges that let them coast."""
 
 import numpy as np
 import pytest
@@ -69,6 +69,30 @@ def test_backwards_another_constant_is_slower_and_stiffer():
     ahead, back = (speeds([0.0], [level], grid, **options) for level in (0.5, -0.5))
     assert back[-1] == pytest.approx(-ahead[-1] / 1.2, rel=2e-3)
     assert rise(back, grid, 0.0) == pytest.approx(rise(ahead, grid, 0.0) / 1.2**2, rel=0.05)
+
+
+def test_a_bridge_that_coasts_is_fast_at_small_commands_and_lets_the_robot_roll_out():
+    """T u / b with b = 1 - c (1 - u); at rest the motor brakes by 1 - c of its slope, and takes so much longer."""
+    grid = np.arange(0.0, 8.0, 0.01)
+    speed = speeds([0.0, 4.0], [0.2, 0.0], grid, motor_gain_curve__coasting=0.5)
+    braked = speeds([0.0, 4.0], [0.2, 0.0], grid)
+    assert speed[390] == pytest.approx(GAIN * 0.2 / (1.0 - 0.5 * 0.8), rel=2e-3)
+    assert rise(speed, grid, 4.0) == pytest.approx(2.0 * rise(braked, grid, 4.0), rel=0.05)
+
+
+def test_at_full_command_no_bridge_coasts():
+    grid = np.arange(0.0, 4.0, 0.01)
+    full = [0.0], [1.0], grid
+    assert speeds(*full, motor_gain_curve__coasting=0.5) == pytest.approx(speeds(*full), abs=1e-9)
+
+
+def test_a_bridge_that_coasts_is_named_by_its_size():
+    rivals = ("motor_gain_curve", "motor_deadband", "motor_asymmetric_lag", "command_saturation")
+    decision = judged(rivals, motor_gain_curve__coasting=0.4)
+    assert [belief.name for belief in decision.named] == ["motor_gain_curve"]
+    assert decision.model.effects[0].hypothesis.closure == "coasting"
+    place = parameter_table().place("motor_gain_curve.coasting")
+    assert decision.model.fit.values[0, place] == pytest.approx(0.4, rel=0.1)
 
 
 def test_windings_heated_by_their_current_are_named():
