@@ -107,6 +107,8 @@ def of_one_closure(declared, closure):
     return {**{p.name: p.typical for p in named}, **sizes} if sizes else {}
 
 
+FLAT = {("motor_deadband", "ignored when small")}
+"""Closures whose likelihood is flat between the commands of a drive; `test_effects_threshold` finds its size."""
 CLOSURES = [
     pytest.param(e.name, c, id=f"{e.name}-{c.name}")
     for e in registry().values()
@@ -114,6 +116,7 @@ CLOSURES = [
     if any(e.parameter(n).typical == e.parameter(n).null and e.parameter(n).strength for n in c.frees)
     and not e.scan
     and e.name not in ("payload_offset", "wheel_eccentricity")
+    and (e.name, c.name) not in FLAT
 ]
 
 

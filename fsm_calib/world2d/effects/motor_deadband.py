@@ -2,8 +2,10 @@ r"""The motor does not answer small commands, or the driver over-compensates for
 
     u_effective = sgn(u) max(|u| - d, 0)          d >= 0 (dead zone)
     u_effective = sgn(u) (|u| - d)                d < 0 (over-compensated), for |u| > 0.01, else 0
+    u_effective = u g((|u| - threshold) / 0.01)   ignored below a threshold, g from 0 to 1 over (-1/2, 1/2)
 
-u [1] command, d [1] offset of both wheels, or of the left and the right each (d_l, d_r come on top).
+u [1] command, d [1] offset of both wheels, or of the left and the right each (d_l, d_r come on top), threshold [1] that
+of a driver, joystick or base controller that ignores what is smaller and takes the rest whole.
 Duckietown's driver adds PWM 60 of 255 (0.235) to every command above 0.01 to cancel the motor's own dead zone;
 what is left over has either sign. Sources: dagu_wheels_driver.py (dt-duckiebot-interface); Tao & Kokotovic,
 Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996, chapter 2.
@@ -20,12 +22,17 @@ from fsm_calib.world2d.effects.wheels import of_each_wheel
 
 RELEASE = 0.01
 """Command below which the driver releases the motor [1] (dagu_wheels_driver.py)."""
+EDGE = 0.01
+"""Commands over which a threshold lets through [1]: an edge that a fit can feel."""
 
 
 @njit(error_model="numpy")
 def offset(P, o, u, side):
     """Return the command without the offset."""
     size, lost = abs(u), P[o] + P[o + 1 + side]
+    if P[o + 3] > 0.0:
+        u *= min(max((size - P[o + 3]) / EDGE + 0.5, 0.0), 1.0)
+        size = abs(u)
     if lost < 0.0 and size <= RELEASE:
         return 0.0
     return math.copysign(max(size - lost, 0.0), u)
@@ -61,6 +68,18 @@ EFFECT = Effect(
                 starts=(0.04, -0.04),
             )
         ),
+        Parameter(
+            "threshold",
+            "u_0",
+            "1",
+            0.0,
+            0.0,
+            0.6,
+            0.0,
+            "dead zones of joysticks and base controllers: 0.02 to 0.15",
+            starts=(0.03, 0.06, 0.1, 0.15, 0.25),
+            step=4e-3,
+        ),
     ),
     hooks={"shape": offset},
     channels=("forward", "turn"),
@@ -90,6 +109,12 @@ EFFECT = Effect(
             ("offset_left", "offset_right"),
             "another piece of each command",
             sentence="The motors lose {offset_left} (left) and {offset_right} (right) of every command.",
+        ),
+        Closure(
+            "ignored when small",
+            ("threshold",),
+            "small commands alone are lost, larger ones act whole",
+            sentence="Commands below {threshold} do nothing, larger ones act whole.",
         ),
     ),
     order=30,
