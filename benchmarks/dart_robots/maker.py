@@ -22,7 +22,7 @@ FINE_STEP = 0.001  # s, of what is recorded
 SEARCH_STEP = 0.002  # s, while a size is searched
 BANDS = {"plain": (2.5, 7.0), "pair": (2.5, 7.0), "outside": (2.5, 7.0), "faint": (1.3, 2.0)}
 AIMS = {"plain": (3.0, 6.0), "pair": (3.2, 5.8), "outside": (3.0, 6.0), "faint": (1.45, 1.8)}
-ATTEMPTS = 8
+ATTEMPTS, MOST_ATTEMPTS = 8, 40  # the second: while none of them could be brought near its band at all
 TRIALS = 6
 NEAR = 0.12  # a search ends when the ratio's excess is this close to its aim, as a share
 FARTHEST = 2.2  # m from the centre that a drive may reach
@@ -207,7 +207,9 @@ def _next(
 def make(seed: list[int], family: str, labels: list[str]) -> Made:
     """Make a robot with these labels; draw another robot where an effect cannot be brought into its band."""
     fallback: tuple[float, Made] | None = None
-    for attempt in range(ATTEMPTS):
+    for attempt in range(MOST_ATTEMPTS):
+        if attempt >= ATTEMPTS and fallback is not None:
+            break
         rng = np.random.default_rng([*seed, attempt])
         setting, laws = draw_setting(rng, labels, min(1.0, 0.25 * attempt))
         made = _attempt(rng, family, setting, laws, attempt)
