@@ -111,7 +111,7 @@ def test_a_drive_that_was_cut_off_at_once_is_not_diagnosed(monkeypatch):
     monkeypatch.setattr(
         thinking,
         "diagnose",
-        lambda recordings, seed: heard.extend(recordings) or SimpleNamespace(decision=None),
+        lambda recordings, seed, earlier: heard.extend(recordings) or SimpleNamespace(decision=None),
     )
     monkeypatch.setattr(thinking, "belief_of", lambda decision: None)
     mind._believed(SimpleNamespace(findings=Findings(drives=[None, None])))

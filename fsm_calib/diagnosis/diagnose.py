@@ -20,6 +20,7 @@ from fsm_calib.diagnosis.replay.simulator import Simulator, make_simulator
 from fsm_calib.diagnosis.verdict.coverage import Coverage, coverage_of
 from fsm_calib.diagnosis.verdict.decide import Decision, decide
 from fsm_calib.diagnosis.verdict.explain import verdict_of
+from fsm_calib.diagnosis.verdict.recalled import Finding, findings_of
 from fsm_calib.diagnosis.verdict.refute import refuted
 from fsm_calib.diagnosis.verdict.verdict import Verdict
 from fsm_calib.diagnosis.verdict.weight import untold_mass
@@ -55,6 +56,7 @@ def diagnose(
     gates: Gates = DEFAULT_GATES,
     progress: Callable[[str], None] = lambda part: None,
     seed: int = 0,
+    earlier: Diagnosis | None = None,
 ) -> Diagnosis:
     """Compare recordings of one robot with the simulation and say what it leaves out.
 
@@ -64,6 +66,7 @@ def diagnose(
     without : names to leave out of the catalogue.
     world : physics that the simulation already has, values by full name (``motor_deadband.offset``); not re-fitted.
     seed : of the sign flips that give the location its significance.
+    earlier : the answer to fewer of these recordings; what it had found is asked again from where it was found.
 
     Raises
     ------
@@ -75,7 +78,8 @@ def diagnose(
     simulators = tuple(make_simulator(prepare(r, settings), world) for r in taken.train)
     new = tuple(make_simulator(prepare(r, settings), world) for r in taken.holdout)
     read = perf_counter() - began
-    decision = decide(simulators, without=without, gates=gates, progress=progress, seed=seed)
+    found = _findings(earlier)
+    decision = decide(simulators, without=without, gates=gates, progress=progress, seed=seed, earlier=found)
     decision.seconds["prepare"] = read
     began = perf_counter()
     progress("proof")
@@ -97,6 +101,14 @@ def diagnose(
         *untold_mass(verdict.effects, simulators),
     )
     return Diagnosis(verdict, decision, train, holdout, new, notes)
+
+
+def _findings(earlier: Diagnosis | None) -> tuple[Finding, ...]:
+    """Return what an earlier answer had found, nothing where there is none."""
+    if earlier is None:
+        return ()
+    decision = earlier.decision
+    return findings_of(decision.model.effects, decision.model.fit, [b.name for b in decision.named])
 
 
 def _proof(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from time import perf_counter
@@ -28,6 +28,7 @@ from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.diagnosis.verdict.model import Model, bare_model
 from fsm_calib.diagnosis.verdict.posterior import Belief, belief_of
 from fsm_calib.diagnosis.verdict.punctual import likelier_if_punctual, ranked_if_punctual
+from fsm_calib.diagnosis.verdict.recalled import Finding, likelier_if_recalled
 from fsm_calib.diagnosis.verdict.refined import refined
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.diagnosis.verdict.shares import worth_saying
@@ -59,13 +60,14 @@ class Decision:
 
 @dataclass
 class Judge:
-    """Decides for the recordings of one robot."""
+    """Decides for the recordings of one robot; earlier : what an answer to fewer of them had found."""
 
     engine: Engine
     effects: list[Effect]
     gates: Gates
     progress: Progress
     rng: np.random.Generator
+    earlier: Sequence[Finding] = ()
     seconds: dict[str, float] = field(default_factory=dict)
 
     @contextmanager
@@ -120,10 +122,13 @@ class Judge:
             bank = Bank.on(self.engine, base, distinct=selector.distinct)
             ranking = selector.first_ranked(bank)
             selector, bank, ranking = ranked_if_punctual(selector, bank, ranking)
-        if not ranking or ranking[0].evidence < gates.detect:
-            return self._without_name(selector.base, tuple(ranking), location, bank)
+        selection: Selection | None = None
         with self.part("further effects"):
-            selector, selection = likelier_if_punctual(selector, selector.best_grown(ranking))
+            if ranking and ranking[0].evidence >= gates.detect:
+                selector, selection = likelier_if_punctual(selector, selector.best_grown(ranking))
+            selection = likelier_if_recalled(selector, self.earlier, ranking, selection)
+        if selection is None:
+            return self._without_name(selector.base, tuple(ranking), location, bank)
         found = (selector.base, tuple(ranking), location, bank)
         model = self._weighed(selection)
         with self.part("refinements"):
@@ -230,9 +235,12 @@ def decide(
     gates: Gates = DEFAULT_GATES,
     progress: Progress = lambda part: None,
     seed: int = 0,
+    earlier: Sequence[Finding] = (),
 ) -> Decision:
-    """Decide what the recordings of one robot show; `without` leaves effects out of the catalogue."""
+    """Decide what the recordings of one robot show; `without` leaves effects out of the catalogue, `earlier` is what an
+    answer to fewer of them had found.
+    """
     engine = Engine(tuple(simulators))
     effects = shown_by(catalogue(without), engine.simulators)
-    judge = Judge(engine, effects, gates, progress, np.random.default_rng(seed))
+    judge = Judge(engine, effects, gates, progress, np.random.default_rng(seed), earlier)
     return judge.decide()

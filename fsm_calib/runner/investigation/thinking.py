@@ -177,13 +177,22 @@ class Mind:
         """
         drives = bench.findings.drives
         if self._known != len(drives):
-            driven = self.recordings(bench)[len(self.given) :]
-            recordings = [*self.given, *filter(is_usable, driven)]
-            if recordings:
-                self.diagnosis = diagnose(recordings, seed=self.seed)
-                self.belief = belief_of(self.diagnosis.decision)
+            self._diagnose(self.recordings(bench)[len(self.given) :])
             self._known = len(drives)
         return self.belief
+
+    def _diagnose(self, driven: Sequence[Recording]) -> None:
+        """Ask all that was driven, from where the answer before had found what it said.
+
+        An investigation that is resumed goes through its drives one by one again, so that it ends with an equal answer.
+        """
+        recordings = [*self.given, *filter(is_usable, driven)]
+        last = len(recordings)
+        for number in range(max(len(self.given), 1) if self.diagnosis is None else last, last + 1):
+            if number:
+                self.diagnosis = diagnose(recordings[:number], seed=self.seed, earlier=self.diagnosis)
+        if self.diagnosis is not None:
+            self.belief = belief_of(self.diagnosis.decision)
 
     def recordings(self, bench: InvestigationBench) -> tuple[Recording, ...]:
         """Return the recordings that were given and those of the drives."""
