@@ -5,15 +5,15 @@ r"""Speed is not proportional to command: the gain falls (or grows) with the com
     u_effective = u + s sin(2 pi u) / (2 pi)  S-shaped
     T -> T / b,    D -> D b,    b = 1 - coasting (1 - |u|)       a bridge that coasts
 
-u [1] command, gamma [1] curvature, of both wheels or (gamma_l, gamma_r) of one, p [1] exponent beyond one, s [1]
-swing: the gain is 1 + s at both ends and 1 - s in the middle. At command u the motor lacks gamma |u| of what its gain
-at small commands promises. Drivers that recirculate current and batteries with inner resistance bend the line down;
-crossover and compression of output stages make an S, of which s is the first harmonic. coasting [1] is the share of a
-pulse's off time in which the bridge is open: the motor's own voltage brakes it only while the bridge conducts, a share
-b [1] of the time, so that the no-load speed T [m/s] is that of a larger command and the slope D [N s/m] of the torque
-is small: fast at small commands, but weak, and it rolls out where it is told to stop. Source: Sedra & Smith,
-Microelectronic Circuits, 7th ed., section 12 (output stages); DB18 measurements scatter by 5 to 15 %
-(duckietown-world); Texas Instruments, DRV8833 data sheet, section 7.3 (fast and slow decay).
+u [1] command, gamma [1] curvature, of both wheels or (gamma_l, gamma_r) of one, p [1] exponent beyond one, of both
+wheels or (p_l, p_r) of one, s [1] swing: the gain is 1 + s at both ends and 1 - s in the middle. At command u the motor
+lacks gamma |u| of what its gain at small commands promises. Drivers that recirculate current and batteries with inner
+resistance bend the line down; crossover and compression of output stages make an S, of which s is the first harmonic.
+coasting [1] is the share of a pulse's off time in which the bridge is open: the motor's own voltage brakes it only
+while the bridge conducts, a share b [1] of the time, so that the no-load speed T [m/s] is that of a larger command and
+the slope D [N s/m] of the torque is small: fast at small commands, but weak, and it rolls out where it is told to stop.
+Source: Sedra & Smith, Microelectronic Circuits, 7th ed., section 12 (output stages); DB18 measurements scatter by 5 to
+15 % (duckietown-world); Texas Instruments, DRV8833 data sheet, section 7.3 (fast and slow decay).
 """
 
 from __future__ import annotations
@@ -37,8 +37,9 @@ def bend(P, o, u, side):
     if gamma > 0.0:
         size = min(size, 0.5 / gamma)
     size *= 1.0 - gamma * size
-    if P[o + 3] != 0.0 and size > 0.0:
-        size = math.pow(size, 1.0 + P[o + 3])
+    power = P[o + 3] + P[o + 6 + side]
+    if power != 0.0 and size > 0.0:
+        size = math.pow(size, 1.0 + power)
     if P[o + 4] != 0.0 and size < 1.0:
         size += P[o + 4] * math.sin(2.0 * math.pi * size) / (2.0 * math.pi)
     return size if u > 0.0 else -size
@@ -94,6 +95,11 @@ EFFECT = Effect(
         Parameter(
             "coasting", "c", "1", 0.0, 0.0, 0.95, 0.0, "0 in slow decay, towards 1 in fast", starts=(0.1, 0.5)
         ),
+        *of_each_wheel(
+            Parameter(
+                "power", "p", "1", 0.0, -0.6, 1.5, 0.0, "one channel of the driver", starts=(0.2, -0.15)
+            )
+        ),
     ),
     hooks={"shape": bend, "step": coast},
     channels=("forward", "turn"),
@@ -130,6 +136,18 @@ EFFECT = Effect(
             "speed grows as a power of the command",
             sentence="Speed grows with the command to the power of 1 + {power}.",
             source="Franklin, Powell & Emami-Naeini, Feedback Control, section 9.2 (power-law actuators)",
+        ),
+        Closure(
+            "left power law",
+            ("power_left",),
+            "the left wheel's speed grows as a power of its command",
+            sentence="The left wheel's speed grows with its command to the power of 1 + {power_left}.",
+        ),
+        Closure(
+            "right power law",
+            ("power_right",),
+            "the right wheel's speed grows as a power of its command",
+            sentence="The right wheel's speed grows with its command to the power of 1 + {power_right}.",
         ),
         Closure(
             "S-shaped",
