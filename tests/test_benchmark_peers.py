@@ -39,6 +39,7 @@ WITHOUT_TERMS = {
     "command_point",
     "skid_steer",
     "pwm_steps",
+    "speed_controller",
 }
 """In the peers' base already, the twin of the command's delay, or of robots that are not in the set."""
 

@@ -60,6 +60,8 @@ def likelier_if_recalled(
 
     selection : None where nothing was detected; then what grows must be.
     """
+    if not earlier:
+        return selection
     asked = {effect.name for effect in selector.catalogue}
     earlier = [finding for finding in earlier if finding.hypothesis.effect in asked]
     has = {effect.name for effect in selection.effects} if selection else set()
