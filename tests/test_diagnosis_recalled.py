@@ -15,6 +15,7 @@ from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
+OTHERS = set(registry()) - {"motor_deadband", "motor_gain_curve", "coulomb_friction"}
 DEAD_ZONE = Finding(Hypothesis("motor_deadband", ("offset",)), {"motor_deadband.offset": 0.05})
 
 
@@ -52,7 +53,7 @@ def test_what_happened_once_is_no_finding():
 
 
 def test_only_what_is_said_is_recalled_with_its_numbers():
-    first = diagnose([recording(0, motor_deadband__offset=0.06)])
+    first = diagnose([recording(0, motor_deadband__offset=0.06)], without=OTHERS)
     model = first.decision.model
     assert findings_of(model.effects, model.fit, []) == ()
     (finding,) = findings_of(model.effects, model.fit, ["motor_deadband"])
@@ -62,5 +63,5 @@ def test_only_what_is_said_is_recalled_with_its_numbers():
 
 def test_a_later_answer_takes_it_over():
     drives = [recording(seed, motor_deadband__offset=0.06) for seed in (0, 1)]
-    later = diagnose(drives, earlier=diagnose(drives[:1]))
+    later = diagnose(drives, without=OTHERS, earlier=diagnose(drives[:1], without=OTHERS))
     assert [belief.name for belief in later.decision.named] == ["motor_deadband"]
