@@ -14,7 +14,7 @@ from fsm_calib.recording.recording import Recording, RobotFacts
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
 from fsm_calib.world2d.parameters import parameters
-from fsm_calib.world2d.rollout import Drive
+from fsm_calib.world2d.rollout import Drive, simulate
 
 GAIN_LEFT, GAIN_RIGHT = 0.66, 0.61  # m/s
 POSITION_NOISE, HEADING_NOISE = 0.002, 0.006  # m, rad
@@ -41,6 +41,12 @@ def robot(**changes):
     """Return the parameters of a robot, changed by full name with `__` for the dot."""
     base = {"gain_left": GAIN_LEFT, "gain_right": GAIN_RIGHT}
     return parameters({**base, **{name.replace("__", "."): value for name, value in changes.items()}})
+
+
+def speeds(times, levels, grid, **changes):
+    """Return the speed [m/s] of a `robot` with `changes` at the times of `grid` on straights at some commands."""
+    straights = Drive(np.array(times), levels, levels)
+    return simulate(robot(**changes), straights, grid, (0.0, 0.0, 0.0))[:, 3]
 
 
 def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, jitter=0.0, **changes):

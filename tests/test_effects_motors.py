@@ -1,23 +1,19 @@
 """Motors as they are: windings heated by their current, another constant backwards, bridges that let them coast."""
 
+from functools import partial
+
+import diagnosis_robots
 import numpy as np
 import pytest
 from diagnosis_robots import judged
 
-from fsm_calib.world2d.parameters import parameter_table, parameters
-from fsm_calib.world2d.rollout import Drive, simulate
+from fsm_calib.world2d.parameters import parameter_table
 
 GAIN, LAG = 0.6, 0.15
 HEAT = {"motor_warmup__heat": 8.0, "motor_warmup__effort": 20.0}
 FLUX = {"motor_reverse_asymmetry__flux_left": 0.15, "motor_reverse_asymmetry__flux_right": 0.1}
 MOTOR_RIVALS = ("motor_warmup", "battery_sag", "motor_asymmetric_lag", "motor_reverse_asymmetry")
-
-
-def speeds(times, levels, grid, **effects):
-    """Return the robot's speed [m/s] at the times of `grid` on straights at some commands."""
-    base = dict.fromkeys(("gain_left", "gain_right"), GAIN) | {"tau_forward": LAG}
-    values = parameters(base | {key.replace("__", "."): value for key, value in effects.items()})
-    return simulate(values, Drive(np.array(times), levels, levels), grid, (0.0, 0.0, 0.0))[:, 3]
+speeds = partial(diagnosis_robots.speeds, gain_left=GAIN, gain_right=GAIN, tau_forward=LAG)
 
 
 def rise(speed, grid, start):

@@ -1,5 +1,8 @@
 """A controller with an integral holds the wheels' speeds: how robots are built that are told velocities."""
 
+from functools import partial
+
+import diagnosis_robots
 import numpy as np
 import pytest
 from diagnosis_robots import engine_of, judged, recording
@@ -8,19 +11,12 @@ from fsm_calib.diagnosis.candidates.speed_loop import HOLD, WEIGHT
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.parameters import parameter_table, parameters
-from fsm_calib.world2d.rollout import Drive, simulate
+from fsm_calib.world2d.parameters import parameter_table
 
 RIVALS = ("coulomb_friction", "motor_asymmetric_lag", "command_delay", "motor_deadband", "battery_sag")
 GAIN, LAG = 0.6, 0.1
 HOLD_PLACE, WEIGHT_PLACE = (parameter_table().place(name) for name in (HOLD, WEIGHT))
-
-
-def speeds(times, levels, grid, **effects):
-    """Return the robot's speed [m/s] at the times of `grid` on straights at some commands."""
-    base = dict.fromkeys(("gain_left", "gain_right"), GAIN) | {"tau_forward": LAG, "slip_speed": 1e-4}
-    values = parameters(base | {key.replace("__", "."): value for key, value in effects.items()})
-    return simulate(values, Drive(np.array(times), levels, levels), grid, (0.0, 0.0, 0.0))[:, 3]
+speeds = partial(diagnosis_robots.speeds, gain_left=GAIN, gain_right=GAIN, tau_forward=LAG, slip_speed=1e-4)
 
 
 def based(*recordings):

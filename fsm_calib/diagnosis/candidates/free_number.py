@@ -8,8 +8,8 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.ranking import Bank, evidence_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
-from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit, with_slots
+from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.world2d.effects import Effect
 
 STEPS = 8
@@ -28,9 +28,7 @@ def with_free(
     """
     tried = []
     for start in starts:
-        values = fit.values.copy()
-        for slot, number in zip(slots, np.broadcast_to(start, len(slots)), strict=True):
-            values[slice(None) if slot.run == ALL_RUNS else slot.run, slot.place] = number
+        values = with_slots(fit.values, slots, np.broadcast_to(start, len(slots)))
         tried.append(engine.fit(values, (*fit.slots, *slots), fit.noise, steps=STEPS))
     best = engine.refit_noise(max(tried, key=lambda t: t.score), SPEED_NOISE, 3)
     return engine.fit(best.values, best.slots, best.noise, steps=STEPS)

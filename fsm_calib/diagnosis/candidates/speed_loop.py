@@ -1,7 +1,7 @@
 """Does a controller hold the wheels' speeds? Robots that are told velocities have one, those told duties have none.
 
 Nobody logs it, every velocity-controlled robot does it: the wheels overshoot after each step of the command, for some
-tenths of a second, and no lasting load slows them down. Left out, it costs 200 to 2,500 units of log-likelihood on such
+tenths of a second, and no lasting load slows them down. Left out, it costs 90 to 5,600 units of log-likelihood on such
 robots and buries what is to be found (an eccentric wheel, play in the gears) in noise of turning that is five times as
 large; lags, batteries and dead zones then take the blame. On robots that are told duties an integral this fast has no
 evidence. A slow one would have up to 70 units there, for dry friction; but no robot settles over many seconds, so that

@@ -12,8 +12,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, slots_of
 from fsm_calib.diagnosis.candidates.ranking import Ranked, evidence_of
 from fsm_calib.diagnosis.fitting.fit import Fit
@@ -37,14 +35,7 @@ def findings_of(effects: Sequence[Ranked], fit: Fit, named: Sequence[str]) -> tu
     """Return what a model with these effects, fitted so, has found under the names that are said."""
     table = parameter_table()
     return tuple(
-        Finding(
-            r.hypothesis,
-            {
-                table.names[i]: float(fit.values[0, i])
-                for i in table.of_effect(r.name)
-                if table.entries[i].strength or fit.values[0, i] != table.entries[i].null
-            },
-        )
+        Finding(r.hypothesis, {table.names[i]: float(fit.values[0, i]) for i in table.of_effect(r.name)})
         for r in effects
         if r.name in named and r.hypothesis.run == ALL_RUNS and _lasts(registry()[r.name])
     )
@@ -81,9 +72,7 @@ def _fitted_from(selector: Selector, earlier: Sequence[Finding]) -> tuple[Fit, t
     runs, scale = len(engine.simulators), scale_of(engine.simulators[0])
     values = with_values(base.values, {k: v for finding in earlier for k, v in finding.numbers.items()})
     slots = [slot for finding in earlier for slot in slots_of(finding.hypothesis, runs, scale)]
-    taken = {(slot.place, slot.run) for slot in base.slots}
-    new = [slot for slot in slots if (slot.place, slot.run) not in taken]
-    fit = selector.with_noise(engine.fit(np.array(values), (*base.slots, *new), base.noise))
+    fit = selector.with_noise(engine.fit(values, (*base.slots, *slots), base.noise))
     won, gain = evidence_of(fit, base, engine.count), fit.score - base.score
     return fit, tuple(Ranked(finding.hypothesis, fit, won, gain) for finding in earlier)
 

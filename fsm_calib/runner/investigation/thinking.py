@@ -188,9 +188,9 @@ class Mind:
         """
         recordings = [*self.given, *filter(is_usable, driven)]
         last = len(recordings)
-        for number in range(max(len(self.given), 1) if self.diagnosis is None else last, last + 1):
-            if number:
-                self.diagnosis = diagnose(recordings[:number], seed=self.seed, earlier=self.diagnosis)
+        first = max(len(self.given) if self.diagnosis is None else last, 1)
+        for number in range(first, last + 1):
+            self.diagnosis = diagnose(recordings[:number], seed=self.seed, earlier=self.diagnosis)
         if self.diagnosis is not None:
             self.belief = belief_of(self.diagnosis.decision)
 

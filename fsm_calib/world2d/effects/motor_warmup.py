@@ -30,12 +30,10 @@ import math
 
 from numba import njit
 
+from fsm_calib.world2d.dynamics import GAIN
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.wheels import of_each_wheel
 from fsm_calib.world2d.slots import COMMAND, DRIVE, RIM, STEP, TARGET
-
-GAIN = 0
-"""Place of the left motor's gain in the parameters; the right one's follows."""
 
 
 @njit(error_model="numpy")
