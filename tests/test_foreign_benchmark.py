@@ -151,6 +151,17 @@ def test_name_of_a_departure_is_wrong_only_when_strict() -> None:
     assert wrong_names(said, truth, strict=True) == ["payload_offset"]
 
 
+@pytest.mark.parametrize(("found", "wrong"), [(-0.021, []), (-0.012, ["payload_offset"])])
+def test_a_centre_of_mass_in_the_key_is_a_right_name_where_its_size_was_found(
+    found: float, wrong: list[str]
+) -> None:
+    truth = key("plain", ["sensor_yaw"], robot={"centre_x": -0.023, "centre_y": 0.003})
+    said = answer(("sensor_yaw", 0.9), ("payload_offset", 0.95))
+    said["effects"][1]["parameters"] = {"x": {"value": found}, "y": {"value": 0.001}}
+    assert wrong_names(said, truth) == ["payload_offset"]
+    assert wrong_names(said, truth, lenient=True) == wrong
+
+
 def test_score_of_a_small_set_counts_each_row() -> None:
     pairs = [
         (key("plain", ["sensor_yaw"]), answer(("sensor_yaw", 0.95))),

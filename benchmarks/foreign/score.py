@@ -5,7 +5,8 @@
 A name counts as stated when it is in `effects`. It is right when the robot carries it, or when one of the answer's
 ambiguity sets holds both it and a name that the robot carries. A name of a small unlabelled departure that the robot does
 carry (a payload where the mass lies behind the axle) is counted apart: neither right nor wrong. Rows "built in" allow what
-every robot of an engine has by construction, too (`BUILT_IN`).
+every robot of an engine has by construction, too (`BUILT_IN`), and a place or an angle that is in the key with the size that
+was found (`found_as_built`).
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ DEPARTURE_NAMES = {
 BUILT_IN = {"": {"coulomb_friction"}, "planar": {"lateral_slip"}, "mujoco": {"tyre_scrub", "lateral_slip"}}
 CART = 15.0  # kg: Drake's robots above it stand on a swivelling fork, which turns over after every reversal and pushes
 # sizes that mean the same in any engine: (label, laws) -> size in the key, unit of the parameter
+NEAR, NEAR_SHARE = 0.002, 0.2  # m or rad, and share of the size: so close is what was found to what was built
 SIZES: dict[str, tuple[set[str], str, str]] = {
     "command_delay": ({"constant"}, "delay_s", "s"),
     "observation_delay": ({"constant"}, "delay_s", "s"),
@@ -78,6 +80,28 @@ def built_in(key: dict[str, Any]) -> set[str]:
     return BUILT_IN[""] | BUILT_IN.get(key["engine"], set()) | ({"caster_drag"} if on_a_fork else set())
 
 
+def found_as_built(answer: dict[str, Any], key: dict[str, Any]) -> set[str]:
+    """Return the names whose sizes are those of the robot in the key: its centre of mass, its tag's place and angle."""
+    robot, sensing = key.get("robot", {}), key.get("sensing", {})
+    built: dict[str, dict[str, float]] = {}
+    if "centre_x" in robot:
+        built["payload_offset"] = {"x": robot["centre_x"], "y": robot["centre_y"]}
+    if "tag" in sensing:
+        built["sensor_offset"] = dict(zip("xy", sensing["tag"], strict=True))
+    if "tag_yaw" in sensing:
+        built["sensor_yaw"] = {"yaw": sensing["tag_yaw"]}
+
+    def same(sizes: dict[str, float], found: dict[str, Any]) -> bool:
+        told = [float(found.get(name, {}).get("value", 0.0)) for name in sizes]
+        size = np.array(list(sizes.values()))
+        return bool(np.linalg.norm(told - size) <= max(NEAR, NEAR_SHARE * np.linalg.norm(size)))
+
+    effects = answer.get("effects", [])
+    return {
+        e["name"] for e in effects if e["name"] in built and same(built[e["name"]], e.get("parameters", {}))
+    }
+
+
 def wrong_names(
     answer: dict[str, Any], key: dict[str, Any], strict: bool = False, lenient: bool = False
 ) -> list[str]:
@@ -86,7 +110,7 @@ def wrong_names(
     strict : departures are wrong, too; lenient : what is built into every robot is right.
     """
     true = set(key["labels"]) | (set() if strict else departures_of(key))
-    true |= built_in(key) if lenient else set()
+    true |= built_in(key) | found_as_built(answer, key) if lenient else set()
     return [name for name, sure in told(answer) if sure > SURE and not set_of(answer, name) & true]
 
 
@@ -94,7 +118,7 @@ def calibration(pairs: list[tuple[dict[str, Any], dict[str, Any]]]) -> list[tupl
     """Return for each tenth of stated confidence: its lower end, how many, mean stated, share right."""
     bins: dict[int, list[tuple[float, bool]]] = defaultdict(list)
     for key, answer in pairs:
-        true = set(key["labels"]) | departures_of(key) | built_in(key)
+        true = set(key["labels"]) | departures_of(key) | built_in(key) | found_as_built(answer, key)
         for name, sure in told(answer):
             bins[min(int(sure * 10), 9)].append((sure, bool(set_of(answer, name) & true)))
     return [
