@@ -341,6 +341,7 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)
     monkeypatch.setattr(decide, "Bank", SimpleNamespace(on=lambda *given, **named: "bank"))
     monkeypatch.setattr(decide, "ranked_if_punctual", lambda *given: given)
+    monkeypatch.setattr(decide, "ranked_if_unlike", lambda *given: given)
     monkeypatch.setattr(decide, "likelier_if_punctual", lambda *given: given)
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
     monkeypatch.setattr(Judge, "_weighed", lambda self, selection: model)

@@ -10,6 +10,7 @@ from fsm_calib.diagnosis.candidates.charge import charges_told
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.jitter import jitter_told
 from fsm_calib.diagnosis.candidates.speed_loop import loop_told
+from fsm_calib.diagnosis.candidates.stiffness import stiffness_told
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
@@ -96,6 +97,7 @@ def diagnose(
         *taken.notes,
         *at_bounds(decision.base),
         *loop_told(decision.model.fit),
+        *stiffness_told(decision.model.fit),
         *charges_told(decision.model.fit),
         *jitter_told(decision.model.fit),
         *untold_mass(verdict.effects, simulators),

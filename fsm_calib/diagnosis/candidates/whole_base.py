@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fsm_calib.diagnosis.candidates.charge import with_charges
 from fsm_calib.diagnosis.candidates.jitter import with_jitter
 from fsm_calib.diagnosis.candidates.speed_loop import with_speed_loop
+from fsm_calib.diagnosis.candidates.stiffness import with_stiffness
 from fsm_calib.diagnosis.candidates.tyre_grip import with_tyres
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -20,5 +21,5 @@ def fit_whole_base(engine: Engine, effects: Sequence[Effect]) -> Fit:
         return base
     lasting = [e for e in effects if not e.scan]
     held = with_jitter(engine, with_speed_loop(engine, base, lasting))
-    charged = with_charges(engine, held, lasting)
+    charged = with_charges(engine, with_stiffness(engine, held, lasting), lasting)
     return with_tyres(engine, charged, [e for e in effects if e.scan == "place"])

@@ -33,6 +33,7 @@ from fsm_calib.diagnosis.verdict.refined import refined
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.diagnosis.verdict.shares import worth_saying
 from fsm_calib.diagnosis.verdict.simplified import simplified
+from fsm_calib.diagnosis.verdict.unlike import ranked_if_unlike
 from fsm_calib.world2d.effects import Effect
 
 Progress = Callable[[str], None]
@@ -122,6 +123,7 @@ class Judge:
             bank = Bank.on(self.engine, base, distinct=selector.distinct)
             ranking = selector.first_ranked(bank)
             selector, bank, ranking = ranked_if_punctual(selector, bank, ranking)
+            selector, bank, ranking = ranked_if_unlike(selector, bank, ranking)
         selection: Selection | None = None
         with self.part("further effects"):
             if ranking and ranking[0].evidence >= gates.detect:

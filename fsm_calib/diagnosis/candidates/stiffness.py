@@ -1,0 +1,56 @@
+"""Does one motor's torque fall more with its speed than the other's? No two motors are alike.
+
+The slope of a motor's torque is its constant squared over its resistance: 5 % of the one and 4 % of the other make 11 %
+of the slope, so that one wheel answers sooner than the other and loses less to a load. Left out, a mass beside the axle
+stands for it (8 to 19 mm for 1 to 4 mm on robots of another engine), a winding that warms within a moment, or a ramp of
+one driver. So it is free where it has strong evidence, up to what two motors of one kind differ by, and gives way to
+an effect that explains more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.free_number import unless_stood_in, with_free
+from fsm_calib.diagnosis.fitting.base import slot_of
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.world2d.effects import Effect
+from fsm_calib.world2d.effects.unequal_motors import EFFECT
+from fsm_calib.world2d.parameters import parameter_table
+
+STIFFNESS = f"{EFFECT.name}.stiffness"
+MOST = 0.12  # half of the difference over the mean: two spreads of what motors of one kind differ by
+STARTS = (0.02,)
+SURE = 3.0  # standard deviations, from which on it is told
+
+
+def with_stiffness(engine: Engine, base: Fit, effects: Iterable[Effect]) -> Fit:
+    """Return the base with motors of unequal slopes, where that has strong evidence.
+
+    effects : of which those that the effect's file calls its rivals are asked whether one does as well.
+    """
+    slot = replace(slot_of(STIFFNESS), low=-MOST, high=MOST)
+    rivals = [effect for effect in effects if effect.name in EFFECT.rivals]
+    return unless_stood_in(engine, base, lambda fit: with_free(engine, fit, [slot], STARTS), rivals)
+
+
+def is_free(fit: Fit) -> bool:
+    """Return whether the motors' slopes may differ in a fit."""
+    place = parameter_table().place(STIFFNESS)
+    return any(slot.place == place for slot in fit.slots)
+
+
+def stiffness_told(fit: Fit) -> list[str]:
+    """Return a sentence where one motor's torque clearly falls more with its speed than the other's."""
+    place, said = parameter_table().place(STIFFNESS), []
+    for slot, value, variance in fit.numbers():
+        sd = float(np.sqrt(max(variance, 0.0)))
+        if slot.place == place and abs(value) > SURE * sd:
+            said.append(
+                f"the {'right' if value > 0.0 else 'left'} motor's torque falls {200.0 * abs(value):.1f} +- "
+                f"{200.0 * sd:.1f} % more with its speed than the other's: unlike motors, most likely"
+            )
+    return said
