@@ -1,13 +1,17 @@
 r"""A wheel sits off its centre: its rolling radius changes with its angle.
 
     R_i(phi) = R_i (1 + e_i cos(n pace phi_i + phase_i))         n = 1 off its centre, n = 2 oval
+    F_i = lift N_i e_i n sin(n pace phi_i + phase_i)             at the rim
 
-R [m] mean radius, phi [rad] angle of the wheel since the start of the recording, e [1] eccentricity over
-radius, phase [rad] at the start; pace [1] = stated radius over the true one: a wheel whose angle nobody measures turns
-by its way over a radius that a sheet states to 3 %, and a minute's drive is 400 rad. Motor speed and torque are
-unchanged: no-load rim speed grows with R, the slope of the force falls with R^2, and a turn of the wheel takes it as
-far as R says. Source: rolling of an eccentric disc; Borenstein & Feng, IEEE Trans. Robotics and Automation 12 (1996)
-869 (unequal radii).
+R [m] mean radius, phi [rad] angle of the wheel since the start of the recording, e [1] eccentricity over radius,
+phase [rad] at the start; pace [1] = stated radius over the true one: a wheel whose angle nobody measures turns by its
+way over a radius that a sheet states to 3 %, and a minute's drive is 400 rad. No-load rim speed grows with R, the
+slope of the force falls with R^2, and a turn of the wheel takes it as far as R says. N [N] load of the wheel: where
+it rises it lifts the robot, which takes a force of N / R dR/dphi at the rim, given back where it sinks: at 1 % of the
+radius as much as 1 % of the load, which slows weak motors far more than the way changes. lift [1] is how much of that
+is seen: 0 where a controller holds the speed, 1 by the nominal mass; a wheel that is told to rest is held by its
+gears (assumed). Source: rolling of an eccentric disc and virtual work; Borenstein & Feng, IEEE Trans. Robotics and
+Automation 12 (1996) 869 (unequal radii).
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ from numba import njit
 
 from fsm_calib.world2d.dynamics import WHEEL_RADIUS
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.slots import DRIVE, RADIUS, ROLL, TARGET
+from fsm_calib.world2d.slots import COMMAND, DRIVE, LOAD, RADIUS, ROLL, TARGET
 
 PACES = (1.0, 0.99, 1.01, 0.98, 1.02, 0.97, 1.03)
 """As near as the width of the likelihood after a minute: two thirds of the evidence are left 1 % off."""
@@ -28,10 +32,14 @@ PACES = (1.0, 0.99, 1.01, 0.98, 1.02, 0.97, 1.03)
 def wobble(P, o, S, m, W):
     """Scale target and slope of each wheel by its momentary radius."""
     for side in range(2):
-        scale = 1.0 + P[o + side] * math.cos(P[o + 4] * P[o + 5] * W[ROLL + side] + P[o + 2 + side])
+        angle = P[o + 4] * P[o + 5] * W[ROLL + side] + P[o + 2 + side]
+        scale = 1.0 + P[o + side] * math.cos(angle)
         W[TARGET + side] *= scale
         W[DRIVE + side] /= scale * scale
         W[RADIUS + side] = P[WHEEL_RADIUS + side] * scale
+        if P[o + 6] != 0.0 and W[COMMAND + side] != 0.0:
+            force = P[o + 6] * W[LOAD + side] * P[o + side] * P[o + 4] * math.sin(angle)
+            W[TARGET + side] += force / W[DRIVE + side]
 
 
 EFFECT = Effect(
@@ -100,6 +108,19 @@ EFFECT = Effect(
             strength=False,
             fitted=False,
             starts=PACES,
+        ),
+        Parameter(
+            "lift",
+            "c_N",
+            "1",
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            "1 where nothing holds the speed",
+            strength=False,
+            fitted=False,
+            starts=(0.0, 1.0),
         ),
     ),
     hooks={"step": wobble},
