@@ -12,14 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
-from fsm_calib.diagnosis.candidates.free_number import unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.free_number import found_free, unless_stood_in, with_free
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.world2d.effects import Effect
-from fsm_calib.world2d.parameters import parameter_table
 
 NAME = "charge"
 TOLD, SURE = 0.01, 3.0  # share of the speed, and standard deviations, from which on a drive's charge is told
@@ -38,10 +35,9 @@ def with_charges(engine: Engine, base: Fit, rivals: Iterable[Effect]) -> Fit:
 
 def charges_told(fit: Fit) -> list[str]:
     """Return a sentence for every drive whose motors were clearly faster or slower than in the first."""
-    place, said = parameter_table().place(NAME), []
-    for slot, value, variance in fit.numbers():
-        sd = float(np.sqrt(max(variance, 0.0)))
-        if slot.place != place or slot.run == ALL_RUNS or abs(value - 1.0) < max(TOLD, SURE * sd):
+    said = []
+    for slot, value, sd in found_free(fit, NAME):
+        if slot.run == ALL_RUNS or abs(value - 1.0) < max(TOLD, SURE * sd):
             continue
         kind = "slower" if value < 1.0 else "faster"
         said.append(

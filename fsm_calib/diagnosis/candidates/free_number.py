@@ -11,12 +11,23 @@ from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit, with_slots
 from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.world2d.effects import Effect
+from fsm_calib.world2d.parameters import parameter_table
 
 STEPS = 8
 NEEDED = (
     6.0  # evidence: "strong" (Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773); no part is accused by it
 )
 KEPT = 0.5  # of its evidence beside a rival: a spot of grease leaves the grip a fifth, a mat that brakes leaves it all
+
+
+def found_free(fit: Fit, name: str) -> list[tuple[Slot, float, float]]:
+    """Return where a number is free in a fit, with its value and standard deviation; one entry or one a recording."""
+    place = parameter_table().place(name)
+    return [
+        (slot, value, float(np.sqrt(max(variance, 0.0))))
+        for slot, value, variance in fit.numbers()
+        if slot.place == place
+    ]
 
 
 def with_free(

@@ -14,15 +14,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-import numpy as np
-
-from fsm_calib.diagnosis.candidates.free_number import NEEDED, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.free_number import NEEDED, found_free, unless_stood_in, with_free
 from fsm_calib.diagnosis.candidates.ranking import evidence_of
 from fsm_calib.diagnosis.fitting.base import settled, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.speed_controller import EFFECT
-from fsm_calib.world2d.parameters import parameter_table
 
 HOLD, WEIGHT = (f"{EFFECT.name}.{name}" for name in ("hold", "weight"))
 SLOWEST = 0.8  # 1/s: what is missing of the speed is made up for within some seconds, or nobody would call it control
@@ -57,10 +54,8 @@ def with_free_loop(engine: Engine, fit: Fit) -> Fit:
 
 def loop_told(fit: Fit) -> list[str]:
     """Return a sentence where the robot turned out to hold its wheels' speeds by a controller."""
-    place = parameter_table().place(HOLD)
     return [
-        f"a controller holds the wheels' speeds (integral {value:.2g} +- {np.sqrt(max(variance, 0.0)):.1g} 1/s, found "
-        "from how the wheels overshoot): lasting loads do not slow this robot down"
-        for slot, value, variance in fit.numbers()
-        if slot.place == place
+        f"a controller holds the wheels' speeds (integral {value:.2g} +- {sd:.1g} 1/s, found from how the wheels "
+        "overshoot): lasting loads do not slow this robot down"
+        for _, value, sd in found_free(fit, HOLD)
     ]

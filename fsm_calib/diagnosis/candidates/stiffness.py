@@ -12,14 +12,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-import numpy as np
-
-from fsm_calib.diagnosis.candidates.free_number import unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.free_number import found_free, unless_stood_in, with_free
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.unequal_motors import EFFECT
-from fsm_calib.world2d.parameters import parameter_table
 
 STIFFNESS = f"{EFFECT.name}.stiffness"
 MOST = 0.12  # half of the difference over the mean: two spreads of what motors of one kind differ by
@@ -39,18 +36,14 @@ def with_stiffness(engine: Engine, base: Fit, effects: Iterable[Effect]) -> Fit:
 
 def is_free(fit: Fit) -> bool:
     """Return whether the motors' slopes may differ in a fit."""
-    place = parameter_table().place(STIFFNESS)
-    return any(slot.place == place for slot in fit.slots)
+    return bool(found_free(fit, STIFFNESS))
 
 
 def stiffness_told(fit: Fit) -> list[str]:
     """Return a sentence where one motor's torque clearly falls more with its speed than the other's."""
-    place, said = parameter_table().place(STIFFNESS), []
-    for slot, value, variance in fit.numbers():
-        sd = float(np.sqrt(max(variance, 0.0)))
-        if slot.place == place and abs(value) > SURE * sd:
-            said.append(
-                f"the {'right' if value > 0.0 else 'left'} motor's torque falls {200.0 * abs(value):.1f} +- "
-                f"{200.0 * sd:.1f} % more with its speed than the other's: unlike motors, most likely"
-            )
-    return said
+    return [
+        f"the {'right' if value > 0.0 else 'left'} motor's torque falls {200.0 * abs(value):.1f} +- {200.0 * sd:.1f} % "
+        "more with its speed than the other's: unlike motors, most likely"
+        for _, value, sd in found_free(fit, STIFFNESS)
+        if abs(value) > SURE * sd
+    ]
