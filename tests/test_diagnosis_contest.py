@@ -159,6 +159,9 @@ def at_value(fit, effect, name, value):
     [
         ("motor_warmup", "change_left", -0.35, False),
         ("motor_warmup", "change_left", -0.3, True),
+        ("motor_warmup", "effort", 3.0, False),  # nothing warms within a moment
+        ("motor_warmup", "effort", 4.0, True),
+        ("motor_warmup", "effort", 120.0, True),  # a slow one is a straight line
         ("motor_fault", "loss_left", 1.0, True),  # a dead motor is where nature ends
         ("motor_fault", "loss_left", -0.5, False),  # no motor gains a half by a fault
         ("coulomb_friction", "friction", 0.0, True),  # at rest at nothing at all

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from diagnosis_robots import drive, recording
 
+from fsm_calib.diagnosis.candidates.free_number import unless_stood_in, with_free
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, is_free, stiffness_told, with_stiffness
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
-from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.base import fit_base, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
@@ -110,3 +111,18 @@ def test_unlike_motors_beside_the_first_effect_are_the_base_of_all():
 def test_like_motors_beside_the_first_effect_change_nothing():
     given = ranked(engine_of(motor_deadband__offset=0.06), "motor_deadband", "payload_offset")
     assert ranked_if_unlike(*given) == given
+
+
+@pytest.mark.parametrize("as_good", [True, False])
+def test_the_robots_own_number_takes_the_place_of_one_like_it_where_both_do_as_well(as_good):
+    """A rival leads that leaves the number nothing to say, unless that stands in for one of the rival's own."""
+    engine = engine_of(unequal_motors__stiffness=0.03, payload_offset__x=-0.03)
+    base, slot = fit_base(engine), slot_of(STIFFNESS)
+
+    def freed(fit):
+        return with_free(engine, fit, [slot], (0.02,)) if fit is base else fit
+
+    found = unless_stood_in(
+        engine, base, freed, [registry()["payload_offset"]], lambda rival: rival.fit if as_good else base
+    )
+    assert is_free(found) is as_good

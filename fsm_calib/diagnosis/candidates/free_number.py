@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.ranking import Bank, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit, with_slots
 from fsm_calib.diagnosis.fitting.slot import Slot
@@ -45,12 +45,20 @@ def with_free(
     return engine.fit(best.values, best.slots, best.noise, steps=STEPS)
 
 
-def unless_stood_in(engine: Engine, base: Fit, freed: Callable[[Fit], Fit], rivals: Iterable[Effect]) -> Fit:
+def unless_stood_in(
+    engine: Engine,
+    base: Fit,
+    freed: Callable[[Fit], Fit],
+    rivals: Iterable[Effect],
+    instead: Callable[[Ranked], Fit | None] = lambda rival: None,
+) -> Fit:
     """Return the base with a number free that has strong evidence, also beside the rival that explains more.
 
-    freed : what sets it free on top of a fit; rivals : effects that are asked whether one does as well by itself. They
-    are ranked as a catalogue is, none given up for the evidence of the number: so a dead zone that has ten times as
-    much was lost to a charge, and a scrubbing tyre (463 for 109) whose starts, to first order, reach too little.
+    freed : what sets it free on top of a fit; instead : a rival with the number free in place of one of its own,
+    where it has one like it: of two that do as well, the robot's own is likelier than a part that came out of
+    place; rivals : effects that are asked whether one does as well by itself. They are ranked as a catalogue is,
+    none given up for the evidence of the number: so a dead zone that has ten times as much was lost to a charge,
+    and a scrubbing tyre (463 for 109) whose starts, to first order, reach too little.
     """
     free = freed(base)
     evidence = evidence_of(free, base, engine.count)
@@ -60,5 +68,8 @@ def unless_stood_in(engine: Engine, base: Fit, freed: Callable[[Fit], Fit], riva
     if not ranking or ranking[0].evidence <= evidence:
         return free
     rival = ranking[0].fit
-    beside = evidence_of(freed(rival), rival, engine.count)
-    return free if beside >= max(NEEDED, KEPT * evidence) else base
+    if evidence_of(freed(rival), rival, engine.count) >= max(NEEDED, KEPT * evidence):
+        return free
+    other = instead(ranking[0])
+    as_good = other is not None and evidence_of(other, base, engine.count) > ranking[0].evidence - NEEDED
+    return free if as_good else base

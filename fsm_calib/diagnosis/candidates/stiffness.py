@@ -4,7 +4,8 @@ The slope of a motor's torque is its constant squared over its resistance: 5 % o
 of the slope, so that one wheel answers sooner than the other and loses less to a load. Left out, a mass beside the axle
 stands for it (8 to 19 mm for 1 to 4 mm on robots of another engine), a winding that warms within a moment, or a ramp of
 one driver. So it is free where it has strong evidence, up to what two motors of one kind differ by, and gives way to
-an effect that explains more.
+an effect that explains more; of a mass only to what it does beside the axle, for one that lies ahead or behind is there
+besides.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import found_free, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.unequal_motors import EFFECT
+from fsm_calib.world2d.parameters import parameter_table
 
-STIFFNESS = f"{EFFECT.name}.stiffness"
+STIFFNESS, ASIDE = f"{EFFECT.name}.stiffness", "payload_offset.y"
 MOST = 0.12  # half of the difference over the mean: two spreads of what motors of one kind differ by
 STARTS = (0.02,)
 SURE = 3.0  # standard deviations, from which on it is told
@@ -29,9 +32,23 @@ def with_stiffness(engine: Engine, base: Fit, effects: Iterable[Effect]) -> Fit:
 
     effects : of which those that the effect's file calls its rivals are asked whether one does as well.
     """
-    slot = replace(slot_of(STIFFNESS), low=-MOST, high=MOST)
     rivals = [effect for effect in effects if effect.name in EFFECT.rivals]
-    return unless_stood_in(engine, base, lambda fit: with_free(engine, fit, [slot], STARTS), rivals)
+    slot = replace(slot_of(STIFFNESS), low=-MOST, high=MOST)
+
+    def freed(fit: Fit) -> Fit:
+        return with_free(engine, fit, [slot], STARTS)
+
+    def in_place_of_a_mass_aside(rival: Ranked) -> Fit | None:
+        aside = parameter_table().place(ASIDE)
+        if all(s.place != aside for s in rival.fit.slots):
+            return None
+        values = rival.fit.values.copy()
+        values[:, aside] = base.values[:, aside]
+        return freed(
+            replace(rival.fit, values=values, slots=tuple(s for s in rival.fit.slots if s.place != aside))
+        )
+
+    return unless_stood_in(engine, base, freed, rivals, in_place_of_a_mass_aside)
 
 
 def is_free(fit: Fit) -> bool:

@@ -38,18 +38,23 @@ def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
 
 
 def has_size(ranked: Ranked) -> bool:
-    """Return whether a strength is large enough to be told, and none rests at a bound short of where nature ends."""
+    """Return whether a strength is large enough to be told, and none rests at a bound short of where nature ends.
+
+    Nor may a number that is another effect at its low bound, though it is no strength.
+    """
     table, effect = parameter_table(), registry()[ranked.name]
     told = []
     for name in ranked.hypothesis.names:
         p = effect.parameter(name)
-        if not p.strength:
+        if not (p.strength or p.floor):
             continue
         place = table.place(f"{ranked.name}.{name}")
         values = ranked.fit.values[:, place]
         low, high = next(((s.low, s.high) for s in ranked.fit.slots if s.place == place), (p.low, p.high))
-        ends = [end for end in (low, *([] if p.natural_end else [high])) if end != p.null]
-        told.append(not np.any(np.abs(values - p.null) < p.least))
+        upper = [high] if p.strength and not p.natural_end else []
+        ends = [end for end in (low, *upper) if end != p.null]
+        if p.strength:
+            told.append(not np.any(np.abs(values - p.null) < p.least))
         if any(np.any(np.abs(values - end) < AT_BOUND * (high - low)) for end in ends):
             return False
     return any(told) or not told

@@ -87,6 +87,7 @@ EFFECT = Effect(
             6.0,
             "tens of seconds of driving",
             strength=False,
+            floor=True,
             starts=(3.0, 10.0, 25.0),
         ),
         Parameter(

@@ -41,6 +41,9 @@ class Parameter:
     natural_end : bool
         Whether nature ends at the high bound (a dead motor has lost all), so that a fit may rest there. At another
         bound the fit asks for more of the effect than there can be.
+    floor : bool
+        Whether a fit that rests at the low bound is of something else, though this is no strength: what warms within
+        a moment is a lag.
     doubt : float
         By how much the equation itself may be off, where it is not what the unit lets expect: a share of a strength,
         in `unit` of a place.
@@ -69,6 +72,7 @@ class Parameter:
     starts: tuple[float, ...] = ()
     step: float = 0.0
     natural_end: bool = False
+    floor: bool = False
     doubt: float = 0.0
     least: float = 0.0
     of_axle: float = 0.0
