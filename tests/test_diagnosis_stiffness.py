@@ -126,3 +126,16 @@ def test_the_robots_own_number_takes_the_place_of_one_like_it_where_both_do_as_w
         engine, base, freed, [registry()["payload_offset"]], lambda rival: rival.fit if as_good else base
     )
     assert is_free(found) is as_good
+
+
+def test_noise_that_is_fitted_again_is_no_evidence_of_the_number_beside_it():
+    """The base has far more noise than there is; a fit with the number free wins hundreds of units by that alone."""
+    engine = engine_of()
+    base = fit_base(engine)
+    noisy = replace(base.noise, forward=0.02, turning=0.1)
+    loose = engine.fit(base.values, base.slots, noisy)
+    slot = slot_of(STIFFNESS)
+    freed = with_free(engine, loose, [slot], (0.02,))
+    assert freed.score > loose.score + 100.0
+    found = unless_stood_in(engine, loose, lambda fit: with_free(engine, fit, [slot], (0.02,)), [])
+    assert found is loose

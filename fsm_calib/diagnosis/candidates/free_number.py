@@ -61,15 +61,30 @@ def unless_stood_in(
     and a scrubbing tyre (463 for 109) whose starts, to first order, reach too little.
     """
     free = freed(base)
-    evidence = evidence_of(free, base, engine.count)
+    evidence = _evidence(engine, free, base)
     if evidence < NEEDED:
         return base
     ranking = Bank.on(engine, base).rank(rivals)
     if not ranking or ranking[0].evidence <= evidence:
         return free
     rival = ranking[0].fit
-    if evidence_of(freed(rival), rival, engine.count) >= max(NEEDED, KEPT * evidence):
+    if _evidence(engine, freed(rival), rival) >= max(NEEDED, KEPT * evidence):
         return free
     other = instead(ranking[0])
     as_good = other is not None and evidence_of(other, base, engine.count) > ranking[0].evidence - NEEDED
     return free if as_good else base
+
+
+def _evidence(engine: Engine, free: Fit, parent: Fit) -> float:
+    """Return the evidence of what is free in a fit and not in its parent; none where it hardly leaves its null value.
+
+    The noise is fitted again with it, and that alone may win hundreds of units where the parent's was another
+    model's: on a real robot 279 for a number of -0.06 +- 0.06.
+    """
+    null, held = parameter_table().null, set(parent.slots)
+    apart = sum(
+        (value - null[slot.place]) ** 2 / max(variance, 1e-300)
+        for slot, value, variance in free.numbers()
+        if slot not in held
+    )
+    return evidence_of(free, parent, engine.count) if apart >= NEEDED else 0.0
