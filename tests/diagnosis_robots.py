@@ -9,6 +9,7 @@ from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.verdict.decide import Judge
+from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, WheelPair
 from fsm_calib.recording.recording import Recording, RobotFacts
 from fsm_calib.world2d.effects import registry
@@ -84,6 +85,12 @@ def with_encoders(seed, late=0.0, **changes):
 def engine_of(*recordings):
     """Return the engine that fits some recordings."""
     return Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+
+
+def selector_on(base, engine, *names):
+    """Return what selects among some effects on a base robot."""
+    effects = [registry()[name] for name in names]
+    return Selector(engine, base, effects, 14.0, 0.02, 4, np.random.default_rng(0))
 
 
 def judged(names, gates=DEFAULT_GATES, **changes):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, recording
+from diagnosis_robots import engine_of, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
@@ -20,8 +20,7 @@ def limited():
     numbers = {"motor_asymmetric_lag__ramp_up": 0.6, "lateral_slip__compliance": 0.015}
     engine = engine_of(*(recording(seed, **numbers) for seed in (0, 1)))
     base = fit_base(engine)
-    effects = [registry()[name] for name in NAMES]
-    return Selector(engine, base, effects, 14.0, 0.02, 4, np.random.default_rng(0)), Bank.on(engine, base)
+    return selector_on(base, engine, *NAMES), Bank.on(engine, base)
 
 
 def test_another_closure_of_an_effect_takes_its_place_where_it_fits_better_in_company(limited):

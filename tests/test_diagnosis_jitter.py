@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import HEADING_NOISE, POSITION_NOISE, engine_of, judged, recording
+from diagnosis_robots import HEADING_NOISE, POSITION_NOISE, engine_of, judged, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.jitter import with_jitter, without_jitter
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -14,8 +14,6 @@ from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.verdict.punctual import likelier_if_punctual, ranked_if_punctual
-from fsm_calib.diagnosis.verdict.selection import Selector
-from fsm_calib.world2d.effects import registry
 
 
 def based(**changes):
@@ -101,11 +99,6 @@ def test_punctual_commands_explain_late_ones_worse():
     punctual = without_jitter(engine, late)
     assert punctual.noise.jitter == 0.0
     assert punctual.score < late.score - 50.0
-
-
-def selector_on(base, engine, *names):
-    effects = [registry()[name] for name in names]
-    return Selector(engine, base, effects, 14.0, 0.02, 4, np.random.default_rng(0))
 
 
 def test_what_is_late_stays_late_where_no_effect_does_as_much():

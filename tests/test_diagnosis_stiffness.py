@@ -4,17 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import drive, recording
+from diagnosis_robots import drive, engine_of, recording, selector_on
 
-from fsm_calib.diagnosis.candidates.free_number import unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.free_number import found_free, unless_stood_in, with_free
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, is_free, stiffness_told, with_stiffness
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import fit_base, slot_of
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
-from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.diagnosis.verdict.unlike import ranked_if_unlike
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
@@ -25,21 +21,20 @@ PLACE = parameter_table().place(STIFFNESS)
 UNLIKE = {"unequal_motors__stiffness": 0.06}
 
 
-def engine_of(**changes):
+def engine_with(**changes):
     """Return the engine over two drives of a robot with `changes`."""
-    return Engine([make_simulator(prepare(recording(seed, **changes))) for seed in (0, 1)])
+    return engine_of(*(recording(seed, **changes) for seed in (0, 1)))
 
 
 def stiffness_of(fit):
     """Return value and standard deviation of the freed number; none where it is held."""
-    found = [(value, variance) for slot, value, variance in fit.numbers() if slot.place == PLACE]
-    return (found[0][0], float(np.sqrt(found[0][1]))) if found else None
+    return next(((value, sd) for _, value, sd in found_free(fit, STIFFNESS)), None)
 
 
 @pytest.fixture(scope="module")
 def unlike():
     """Return the whole base of a robot whose right motor's torque falls 12 % more than the left one's."""
-    return fit_whole_base(engine_of(**UNLIKE), list(registry().values()))
+    return fit_whole_base(engine_with(**UNLIKE), list(registry().values()))
 
 
 def test_unlike_motors_are_found_in_size_and_sign(unlike):
@@ -54,7 +49,7 @@ def test_unlike_motors_are_told_in_a_sentence(unlike):
 
 
 def test_equal_motors_have_no_such_number():
-    engine = engine_of()
+    engine = engine_with()
     base = fit_base(engine)
     held = with_stiffness(engine, base, list(registry().values()))
     assert stiffness_of(held) is None
@@ -62,7 +57,7 @@ def test_equal_motors_have_no_such_number():
 
 
 def test_a_load_beside_the_axle_keeps_the_number_held():
-    engine = engine_of(payload_offset__y=0.02)
+    engine = engine_with(payload_offset__y=0.02)
     held = with_stiffness(engine, fit_base(engine), list(registry().values()))
     assert stiffness_of(held) is None
 
@@ -94,14 +89,13 @@ def test_a_number_that_another_effect_has_made_small_is_not_told(unlike):
 
 def ranked(engine, *names):
     """Return selector, bank and ranking of some effects on a base robot of like motors."""
-    effects = [registry()[name] for name in names]
-    selector = Selector(engine, fit_base(engine), effects, 14.0, 0.02, 4, np.random.default_rng(0))
+    selector = selector_on(fit_base(engine), engine, *names)
     bank = Bank.on(engine, selector.base)
     return selector, bank, selector.first_ranked(bank)
 
 
 def test_unlike_motors_beside_the_first_effect_are_the_base_of_all():
-    given = ranked(engine_of(**UNLIKE, motor_deadband__offset=0.06), "motor_deadband", "payload_offset")
+    given = ranked(engine_with(**UNLIKE, motor_deadband__offset=0.06), "motor_deadband", "payload_offset")
     selector, _, ranking = ranked_if_unlike(*given)
     assert given[2][0].name == ranking[0].name == "motor_deadband"
     assert is_free(selector.base)
@@ -109,14 +103,14 @@ def test_unlike_motors_beside_the_first_effect_are_the_base_of_all():
 
 
 def test_like_motors_beside_the_first_effect_change_nothing():
-    given = ranked(engine_of(motor_deadband__offset=0.06), "motor_deadband", "payload_offset")
+    given = ranked(engine_with(motor_deadband__offset=0.06), "motor_deadband", "payload_offset")
     assert ranked_if_unlike(*given) == given
 
 
 @pytest.mark.parametrize("as_good", [True, False])
 def test_the_robots_own_number_takes_the_place_of_one_like_it_where_both_do_as_well(as_good):
     """A rival leads that leaves the number nothing to say, unless that stands in for one of the rival's own."""
-    engine = engine_of(unequal_motors__stiffness=0.03, payload_offset__x=-0.03)
+    engine = engine_with(unequal_motors__stiffness=0.03, payload_offset__x=-0.03)
     base, slot = fit_base(engine), slot_of(STIFFNESS)
 
     def freed(fit):
@@ -130,7 +124,7 @@ def test_the_robots_own_number_takes_the_place_of_one_like_it_where_both_do_as_w
 
 def test_noise_that_is_fitted_again_is_no_evidence_of_the_number_beside_it():
     """The base has far more noise than there is; a fit with the number free wins hundreds of units by that alone."""
-    engine = engine_of()
+    engine = engine_with()
     base = fit_base(engine)
     noisy = replace(base.noise, forward=0.02, turning=0.1)
     loose = engine.fit(base.values, base.slots, noisy)

@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import judged
+from diagnosis_robots import judged, speeds
 
-from fsm_calib.world2d.parameters import parameter_table, parameters
-from fsm_calib.world2d.rollout import Drive, simulate
+from fsm_calib.world2d.parameters import parameter_table
+
+GAIN = 0.636  # m/s
 
 
 def speed(command, inner, seconds=6.0, friction=0.0):
     """Return the robot's speed [m/s] over time on a straight at one command."""
+    effects = {"battery_sag__inner": inner, "coulomb_friction__friction": friction}
     grid = np.arange(0.0, seconds, 0.01)
-    values = parameters({"battery_sag.inner": inner, "coulomb_friction.friction": friction})
-    drive = Drive(np.array([0.0]), np.array([command]), np.array([command]))
-    return simulate(values, drive, grid, (0.0, 0.0, 0.0))[:, 3]
+    return speeds([0.0], [command], grid, gain_left=GAIN, gain_right=GAIN, **effects)
 
 
 def test_motors_that_run_free_lose_nothing():

@@ -2,32 +2,28 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import judged
+from diagnosis_robots import judged, speeds
 
-from fsm_calib.world2d.parameters import parameter_table, parameters
-from fsm_calib.world2d.rollout import Drive, simulate
+from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.slots import GRAVITY
 
 GAIN, COMMAND, TAU, RADIUS = 0.6, 0.5, 0.1, 0.0318
 SPEED = GAIN * COMMAND
-AXLE = 0.1
 
 
 def speeds_of(eccentricity, seconds=8.0, command=COMMAND, **changes):
     """Return times [s] and speeds [m/s] of a robot of gripping tyres whose two wheels rise together."""
-    names = ("left", "right", "phase_left", "phase_right", "lift", "lobes")
-    ecc = dict(zip(names, (eccentricity, eccentricity, 0.0, 0.0, 1.0, 1.0), strict=True)) | changes
-    base = {
-        "gain_left": GAIN,
-        "gain_right": GAIN,
-        "tau_forward": TAU,
-        "wheel_inertia": 0.0,
-        "axle_length": AXLE,
-    }
-    values = parameters(base | {f"wheel_eccentricity.{name}": value for name, value in ecc.items()})
+    ecc = {
+        "left": eccentricity,
+        "right": eccentricity,
+        "phase_left": 0.0,
+        "lift": 1.0,
+        "lobes": 1.0,
+    } | changes
+    named = {f"wheel_eccentricity__{name}": value for name, value in ecc.items()}
+    base = {"gain_left": GAIN, "gain_right": GAIN, "tau_forward": TAU, "wheel_inertia": 0.0}
     grid = np.arange(0.0, seconds, 0.01)
-    drive = Drive(np.array([0.0]), np.array([command]), np.array([command]))
-    return grid, simulate(values, drive, grid, (0.0, 0.0, 0.0))[:, 3]
+    return grid, speeds([0.0], [command], grid, **base, **named)
 
 
 @pytest.mark.parametrize("lobes", [1.0, 2.0])

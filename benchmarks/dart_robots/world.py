@@ -1,10 +1,10 @@
 """The robot and its floor as bodies of the DART engine.
 
 Tyres are spheres (one contact point under the hub, exact against a box); a wide tyre is two spheres on one
-hub that may lean about its line on the floor, so that both carry half of the load as an elastic tread does. (On a rigid
-axle of wheels that differ by tenths of a millimetre only the inner sphere of the larger wheel and the outer one of the
-smaller touch: an axle that lies half a tyre's width aside, not a tyre that scrubs.) A hub off the tyre's centre is a shifted sphere; an oval tyre changes its radius with the angle of the
-wheel. Gears with lost motion are two revolute joints in a row, the second one between limits. A tyre that
+hub that may lean about its line on the floor, so that both carry half of the load as an elastic tread does.
+(On a rigid axle of wheels that differ by tenths of a millimetre only the inner sphere of the larger wheel and
+the outer one of the smaller touch: an axle that lies half a tyre's width aside, not a tyre that scrubs.) A hub
+off the tyre's centre is a shifted sphere; an oval tyre changes its radius with the angle of the wheel. Gears with lost motion are two revolute joints in a row, the second one between limits. A tyre that
 creeps sideways sits on a damped bearing about the forward axis: a sphere that rolls slowly sideways under
 load and is put upright again after every step, which a sphere does not notice.
 """
@@ -135,14 +135,15 @@ def _floor(truth: Truth) -> dart.dynamics.Skeleton:
 def _wheel(robot: dart.dynamics.Skeleton, base: dart.dynamics.BodyNode, truth: Truth, side: int) -> Wheel:
     body, drive = truth.body, truth.drive
     radius, mass = body.radius[side], body.wheel_mass
-    parent, place, roller, down = base, _at(0.0, body.axle / 2 * (1 - 2 * side), 0.0), None, -radius
+    left = body.axle / 2 * (1 - 2 * side)
+    parent, place, roller = base, _at(0.0, left, 0.0), None
     across = 0.25 * mass * radius**2
     if body.tyre_width:
         lean, parent = robot.createRevoluteJointAndBodyNodePair(parent)
         lean.setAxis([1.0, 0.0, 0.0])
-        lean.setTransformFromParentBodyNode(_at(0.0, body.axle / 2 * (1 - 2 * side), down))
+        lean.setTransformFromParentBodyNode(_at(0.0, left, -radius))
         _solid(parent, 0.01 * mass, (0.1 * across, 0.1 * across, 0.1 * across))
-        place = _at(0.0, 0.0, -down)
+        place = _at(0.0, 0.0, radius)
     if body.cornering:
         roller, parent = robot.createRevoluteJointAndBodyNodePair(parent)
         roller.setAxis([1.0, 0.0, 0.0])

@@ -37,8 +37,8 @@ DEPARTURE_NAMES = {
 # MuJoCo cylinders that stand on a line, which resists a pivoting robot, and contacts that creep sideways (soft constraints)
 BUILT_IN = {"": {"coulomb_friction"}, "planar": {"lateral_slip"}, "mujoco": {"tyre_scrub", "lateral_slip"}}
 CART = 15.0  # kg: Drake's robots above it stand on a swivelling fork, which turns over after every reversal and pushes
-# sizes that mean the same in any engine: (label, laws) -> size in the key, unit of the parameter
 NEAR, NEAR_SHARE = 0.002, 0.2  # m or rad, and share of the size: so close is what was found to what was built
+# sizes that mean the same in any engine: (label, laws) -> size in the key, unit of the parameter
 SIZES: dict[str, tuple[set[str], str, str]] = {
     "command_delay": ({"constant"}, "delay_s", "s"),
     "observation_delay": ({"constant"}, "delay_s", "s"),

@@ -17,6 +17,7 @@ STEPS = 8
 NEEDED = (
     6.0  # evidence: "strong" (Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773); no part is accused by it
 )
+SURE = 3.0  # standard deviations from its usual value, from which on a number is told
 KEPT = 0.5  # of its evidence beside a rival: a spot of grease leaves the grip a fifth, a mat that brakes leaves it all
 
 

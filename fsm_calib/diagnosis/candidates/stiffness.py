@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from fsm_calib.diagnosis.candidates.free_number import found_free, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.free_number import SURE, found_free, unless_stood_in, with_free
 from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -24,7 +24,6 @@ from fsm_calib.world2d.parameters import parameter_table
 STIFFNESS, ASIDE = f"{EFFECT.name}.stiffness", "payload_offset.y"
 MOST = 0.12  # half of the difference over the mean: two spreads of what motors of one kind differ by
 STARTS = (0.02,)
-SURE = 3.0  # standard deviations, from which on it is told
 
 
 def with_stiffness(engine: Engine, base: Fit, effects: Iterable[Effect]) -> Fit:

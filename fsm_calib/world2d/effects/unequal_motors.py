@@ -46,7 +46,6 @@ EFFECT = Effect(
             "constants differ by 5 %, resistances by 4 %",
             mirror="negate",
             prior=0.06,
-            starts=(0.05, -0.05),
         ),
     ),
     hooks={"step": unbalance},

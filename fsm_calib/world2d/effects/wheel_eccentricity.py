@@ -30,7 +30,7 @@ PACES = (1.0, 0.99, 1.01, 0.98, 1.02, 0.97, 1.03)
 
 @njit(error_model="numpy")
 def wobble(P, o, S, m, W):
-    """Scale target and slope of each wheel by its momentary radius."""
+    """Scale target and slope of each wheel by its momentary radius, and let it lift its load."""
     for side in range(2):
         angle = P[o + 4] * P[o + 5] * W[ROLL + side] + P[o + 2 + side]
         scale = 1.0 + P[o + side] * math.cos(angle)
