@@ -13,6 +13,7 @@ import ast
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from pathlib import Path
 
@@ -117,13 +118,20 @@ def imports(files: Files, *, at_load: bool = False) -> Iterator[tuple[str, str]]
     """Yield (file, imported module below the package) of every import, or of those that run when a file is loaded."""
     modules = {module_name(path) for path in files}
     for path, text in files.items():
-        tree = ast.parse(text)
-        for node in _loaded(tree) if at_load else ast.walk(tree):
+        for node in _import_statements(text, at_load):
             for name in _named(node, path):
                 while name and name not in modules:
                     name = name.rpartition(".")[0]
                 if name and name != module_name(path):
                     yield path, name
+
+
+@cache
+def _import_statements(text: str, at_load: bool) -> tuple[ast.AST, ...]:
+    """Return a file's imports; kept, since a test asks of the whole house once for each wrong import that it plants."""
+    tree = ast.parse(text)
+    nodes = _loaded(tree) if at_load else ast.walk(tree)
+    return tuple(node for node in nodes if isinstance(node, ast.Import | ast.ImportFrom))
 
 
 def _loaded(tree: ast.AST) -> Iterator[ast.AST]:

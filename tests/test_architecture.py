@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -76,6 +77,7 @@ def test_the_rooms_above_are_unknown_to_those_below() -> None:
     assert not any("cli" in known for room, known in MAY_KNOW.items() if room != "cli" and room != "commands")
 
 
+@cache
 def libraries(source: str) -> set[str]:
     """The packages that a file imports."""
     names: set[str] = set()
