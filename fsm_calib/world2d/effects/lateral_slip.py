@@ -1,13 +1,17 @@
 r"""The tyres yield sideways: in a curve the robot drifts outwards.
 
-    S = l / (1/k + compliance')         compliance' = 2 compliance / m
+    S = l / (1/k + compliance')         compliance' = 2 (compliance + slip_angle |u|) / m
     drift = -at_once v omega
 
 S [N] side force of a tyre, l [m/s] sideways speed, k [N s/m] its stiffness, m [kg] the robot's mass,
 compliance [s]: sideways speed over sideways acceleration that is added, so that l = -(base + compliance) v
-omega in a steady curve, which the robot's mass reaches with the time constant compliance. at_once [s]: the same drift
-without the delay, where body or axle lean outwards and no mass has to be moved. Source: slip velocities of Seegmiller &
-Kelly, Robotics: Science and Systems 2014 (lateral slip proportional to centripetal acceleration, kinematic there).
+omega in a steady curve, which the robot's mass reaches with the time constant compliance. slip_angle [s2/m]: a
+rolling tyre creeps by an angle, l / u, that grows with its side force, so that its sideways speed grows with its
+rolling speed u [m/s] (the mean of both rims) as well: 1 / (g c) for a cornering stiffness of c loads per radian.
+at_once [s]: the drift of a compliance without the delay, where body or axle lean outwards and no mass has to be moved.
+Sources: Pacejka, Tyre and Vehicle Dynamics, 3rd ed. 2012, section 1.3.1 (side force over slip angle); slip velocities
+of Seegmiller & Kelly, Robotics: Science and Systems 2014 (lateral slip proportional to centripetal acceleration,
+kinematic there).
 """
 
 from __future__ import annotations
@@ -15,13 +19,14 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.slots import MASS, OMEGA, SIDE_COMPLIANCE, SIDE_DRIFT, V
+from fsm_calib.world2d.slots import MASS, OMEGA, RIM, SIDE_COMPLIANCE, SIDE_DRIFT, V
 
 
 @njit(error_model="numpy")
 def yield_sideways(P, o, S, m, W):
     """Add the compliance to both tyres, and what they drift at once."""
-    W[SIDE_COMPLIANCE] += 2.0 * P[o] / W[MASS]
+    rolling = 0.5 * (abs(S[RIM]) + abs(S[RIM + 1]))
+    W[SIDE_COMPLIANCE] += 2.0 * (P[o] + P[o + 2] * rolling) / W[MASS]
     W[SIDE_DRIFT] -= P[o + 1] * S[V] * S[OMEGA]
 
 
@@ -29,10 +34,21 @@ EFFECT = Effect(
     name="lateral_slip",
     family="tyre",
     summary="drifts outwards in curves",
-    equation="l = -compliance v omega",
+    equation="l = -(compliance + slip_angle |v|) v omega",
     parameters=(
         Parameter("compliance", "K_y", "s", 0.0, 0.0, 0.3, 0.015, "0.005 to 0.02 s", starts=(0.01, 0.03)),
         Parameter("at_once", "K_0", "s", 0.0, 0.0, 0.3, 0.0, "as compliance", starts=(0.015,)),
+        Parameter(
+            "slip_angle",
+            "K_a",
+            "s2/m",
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            "0.01 to 0.05: 2 to 10 loads per radian, softer on foam",
+            starts=(0.03,),
+        ),
     ),
     hooks={"step": yield_sideways},
     channels=("lateral",),
@@ -44,6 +60,12 @@ EFFECT = Effect(
     source="Seegmiller & Kelly 2014",
     closures=(
         Closure("yielding tyres", ("compliance",), "side forces bend the tyres"),
+        Closure(
+            "slip angle",
+            ("slip_angle",),
+            "rolling tyres creep by an angle that grows with the side force",
+            sentence="In curves the tyres creep outwards, by {slip_angle} times the centripetal acceleration.",
+        ),
         Closure(
             "at once",
             ("at_once",),
