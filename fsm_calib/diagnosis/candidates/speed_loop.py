@@ -14,7 +14,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from fsm_calib.diagnosis.candidates.free_number import NEEDED, found_free, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.free_number import (
+    NEEDED,
+    evidence_of_freed,
+    found_free,
+    unless_stood_in,
+    with_free,
+)
 from fsm_calib.diagnosis.candidates.ranking import evidence_of
 from fsm_calib.diagnosis.fitting.base import settled, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -44,7 +50,7 @@ def with_free_loop(engine: Engine, fit: Fit) -> Fit:
     """
     hold, weight = replace(slot_of(HOLD), low=SLOWEST), slot_of(WEIGHT)
     alone = with_free(engine, fit, [hold], (START,))
-    if evidence_of(alone, fit, engine.count) < NEEDED or alone.values[0, hold.place] < CLEARLY * SLOWEST:
+    if evidence_of_freed(engine, alone, fit) < NEEDED or alone.values[0, hold.place] < CLEARLY * SLOWEST:
         return fit
     tried = alone, with_free(engine, fit, [hold, weight], ((START, BARE),))
     return max(

@@ -15,8 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from fsm_calib.diagnosis.candidates.free_number import NEEDED, unless_stood_in, with_free
-from fsm_calib.diagnosis.candidates.ranking import evidence_of
+from fsm_calib.diagnosis.candidates.free_number import (
+    NEEDED,
+    evidence_of_freed,
+    unless_stood_in,
+    with_free,
+)
 from fsm_calib.diagnosis.fitting.base import grip_slot, have_encoders, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.world2d.effects import Effect
@@ -34,7 +38,7 @@ def with_tyres(engine: Engine, base: Fit, places: Iterable[Effect]) -> Fit:
     if not have_encoders(engine.simulators):
         return gripped
     rolling = with_free(engine, gripped, [slot_of("slip_ratio")], RATIOS)
-    return rolling if evidence_of(rolling, gripped, engine.count) >= NEEDED else gripped
+    return rolling if evidence_of_freed(engine, rolling, gripped) >= NEEDED else gripped
 
 
 def with_free_grip(engine: Engine, fit: Fit) -> Fit:

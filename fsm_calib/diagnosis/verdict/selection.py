@@ -25,10 +25,10 @@ from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
+from fsm_calib.diagnosis.fitting.wald import strengths_of, wald
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_crossed, is_plausible, stands_out
 from fsm_calib.diagnosis.verdict.swapped import swapped
-from fsm_calib.diagnosis.verdict.wald import wald_evidence
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
@@ -277,7 +277,7 @@ class Selector:
         self, effects: Sequence[Ranked], fit: Fit, effect: Ranked, sure_from: float
     ) -> tuple[float, Fit]:
         """Return what an effect adds to the others, and the fit without it."""
-        own = wald_evidence(fit, effect.name) if sure_from < np.inf else 0.0
+        own = wald(fit, strengths_of(fit, effect.name)) if sure_from < np.inf else 0.0
         if own > sure_from:
             return own, fit
         less = self.without(fit, effect.name) if len(effects) > 1 else self.base
