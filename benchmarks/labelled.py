@@ -57,7 +57,8 @@ def judged(case: Letter) -> dict[str, object]:
     except FsmCalibError as error:
         return {"verdict": f"refused: {error}", "said": {}, "wrong": [], "missed": sorted(case.must)}
     said = {
-        e.name: (e.confidence, {n: (p.value, p.sd) for n, p in e.parameters.items()}) for e in verdict.effects
+        e.name: (e.confidence, {n: (p.value, p.sd, p.unit) for n, p in e.parameters.items()})
+        for e in verdict.effects
     }
     sets = {name for group in verdict.ambiguous for name in group} | set(said)
     return {
@@ -73,6 +74,8 @@ def judged(case: Letter) -> dict[str, object]:
 
 def main() -> None:
     """Print a line for each letter."""
+    from fsm_calib.report.digits import estimate
+
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", help="one folder")
     parser.add_argument("--out", type=Path, help="write the answers as JSON")
@@ -83,7 +86,7 @@ def main() -> None:
             continue
         answer = answers[f"{case.folder} {case.letter}"] = judged(case)
         said = ", ".join(
-            f"{name} {confidence:.2f} ({'; '.join(f'{n} {v:.4g} ± {s:.2g}' for n, (v, s) in numbers.items())})"
+            f"{name} {confidence:.2f} ({'; '.join(f'{n} {estimate(*told)}' for n, told in numbers.items())})"
             for name, (confidence, numbers) in answer["said"].items()  # type: ignore[attr-defined]
         )
         print(f"{case.folder} {case.letter}: {answer['verdict']}: {said or '-'}; wrong {answer['wrong']}, "
