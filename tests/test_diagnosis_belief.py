@@ -325,9 +325,8 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     """What is answered where the strongest effect has this evidence and the names of the model these probabilities."""
     ranking = [] if evidence is None else [SimpleNamespace(evidence=evidence)]
     selector = SimpleNamespace(
-        distinct=True,
         base=SimpleNamespace(values=()),
-        first_ranked=lambda bank: ranking,
+        first_ranked=lambda: ("bank", ranking),
         best_grown=lambda ranking: "grown",
     )
     beliefs = tuple(
@@ -339,7 +338,6 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     monkeypatch.setattr(decide, "situations_of", lambda simulators, values: ())
     monkeypatch.setattr(decide, "locate", lambda *given: SimpleNamespace(p_value=1.0))
     monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)
-    monkeypatch.setattr(decide, "Bank", SimpleNamespace(on=lambda *given, **named: "bank"))
     monkeypatch.setattr(decide, "ranked_if_punctual", lambda *given: given)
     monkeypatch.setattr(decide, "ranked_if_unlike", lambda *given: given)
     monkeypatch.setattr(decide, "likelier_if_punctual", lambda *given: given)
@@ -386,9 +384,8 @@ def test_each_long_part_of_an_answer_is_told_before_it_begins(monkeypatch: pytes
     fit, weighed = SimpleNamespace(values=()), support()
     grown = SimpleNamespace(fit=fit, effects=(weighed.effect,))
     selector = SimpleNamespace(
-        distinct=True,
         base=SimpleNamespace(values=()),
-        first_ranked=lambda bank: ranking,
+        first_ranked=lambda: ("bank", ranking),
         best_grown=lambda ranking: grown,
     )
     monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)

@@ -104,7 +104,7 @@ def test_punctual_commands_explain_late_ones_worse():
 def test_what_is_late_stays_late_where_no_effect_does_as_much():
     engine, base = based(jitter=0.02, lateral_slip__compliance=0.015)
     selector = selector_on(base, engine, "lateral_slip", "external_push")
-    grown = selector.grown(selector.first_ranked(Bank.on(engine, base)))
+    grown = selector.grown(selector.first_ranked()[1])
     assert likelier_if_punctual(selector, grown) == (selector, grown)
 
 

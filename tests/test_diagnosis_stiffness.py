@@ -7,7 +7,6 @@ import pytest
 from diagnosis_robots import drive, engine_of, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.free_number import found_free, unless_stood_in, with_free
-from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, is_free, stiffness_told, with_stiffness
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import fit_base, slot_of
@@ -90,8 +89,7 @@ def test_a_number_that_another_effect_has_made_small_is_not_told(unlike):
 def ranked(engine, *names):
     """Return selector, bank and ranking of some effects on a base robot of like motors."""
     selector = selector_on(fit_base(engine), engine, *names)
-    bank = Bank.on(engine, selector.base)
-    return selector, bank, selector.first_ranked(bank)
+    return selector, *selector.first_ranked()
 
 
 def test_unlike_motors_beside_the_first_effect_are_the_base_of_all():

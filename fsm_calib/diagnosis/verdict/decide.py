@@ -120,8 +120,7 @@ class Judge:
             self.progress,
         )
         with self.part("catalogue"):
-            bank = Bank.on(self.engine, base, distinct=selector.distinct)
-            ranking = selector.first_ranked(bank)
+            bank, ranking = selector.first_ranked()
             selector, bank, ranking = ranked_if_punctual(selector, bank, ranking)
             selector, bank, ranking = ranked_if_unlike(selector, bank, ranking)
         selection: Selection | None = None

@@ -36,8 +36,7 @@ def ranked_if_punctual(
     if not is_clear(selector.base) or (ranking and ranking[0].evidence >= selector.needed):
         return selector, bank, ranking
     engine, punctual = selector.engine, _for_punctual(selector)
-    other = Bank.on(engine, punctual.base, distinct=punctual.distinct)
-    found = punctual.first_ranked(other)
+    other, found = punctual.first_ranked()
     if found and evidence_of(found[0].fit, selector.base, engine.count) > 0.0:
         return punctual, other, found
     return selector, bank, ranking

@@ -80,13 +80,17 @@ class Selector:
         found = bank.rank(self.catalogue if effects is None else effects, self.progress)
         return [r for r in self._polish(found, parent) if self._is_told(r)]
 
-    def first_ranked(self, bank: Bank) -> list[Ranked]:
-        """Return the effects on top of the base robot, the leader's rivals sought from where it has the base, too."""
+    def first_ranked(self) -> tuple[Bank, list[Ranked]]:
+        """Return the effects on top of the base robot, the leader's rivals sought from where it has the base, too.
+
+        With the bank that fitted them.
+        """
+        bank = Bank.on(self.engine, self.base, distinct=self.distinct)
         ranking = self.ranked(bank, self.base)
         if not ranking or ranking[0].evidence < self.needed:
-            return ranking
+            return bank, ranking
         again = sought_again(self.engine, self.base, ranking, self.catalogue)
-        return [r for r in again if r in ranking or self._is_told(r)]
+        return bank, [r for r in again if r in ranking or self._is_told(r)]
 
     def _is_told(self, ranked: Ranked) -> bool:
         """Return whether an effect is what its name says and, if it is an event, stands out."""

@@ -26,5 +26,4 @@ def ranked_if_unlike(
     if not is_free(freed):
         return selector, bank, ranking
     unlike = replace(selector, base=selector.without(freed, leader.name), distinct={})
-    other = Bank.on(selector.engine, unlike.base, distinct=unlike.distinct)
-    return unlike, other, unlike.first_ranked(other)
+    return unlike, *unlike.first_ranked()
