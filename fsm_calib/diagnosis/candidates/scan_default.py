@@ -18,7 +18,7 @@ from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.scan_areas import ROUNDS, Area, boxes, neighbours
 from fsm_calib.diagnosis.candidates.scan_spans import Span, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import responses
-from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.fitting.fit import AT_A_TIME, Fit
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part, winnings
@@ -31,7 +31,6 @@ SETTLE_STEPS = (0.06, 0.03)  # m, by which centre and edges of the best places a
 KEPT = 3
 PLACES_APART = 0.18  # m
 MOMENT_STEP, MOMENTS_APART = 0.25, 1.0  # s
-AT_A_TIME = 16
 LEAST_POWER = 1e-12
 
 Changes = Mapping[str, float]
@@ -139,12 +138,8 @@ def tried_moments(trial: Trial, run: int, strength: Changes) -> tuple[FloatArray
 def _simulated(trial: Trial, simulator: Simulator, run: int, candidates: Sequence[Changes]) -> FloatArray:
     """Return what candidates change in the increments of one recording, (n, 5, m)."""
     values, before = trial.parent.values[run : run + 1], trial.parent.simulated[run]
-    parts = [
-        simulator.increments(np.vstack([with_values(values, c) for c in candidates[i : i + AT_A_TIME]]))
-        - before
-        for i in range(0, len(candidates), AT_A_TIME)
-    ]
-    return np.moveaxis(np.concatenate(parts), 0, 2)
+    changed = simulator.increments(np.vstack([with_values(values, c) for c in candidates]))
+    return np.moveaxis(changed - before, 0, 2)
 
 
 def _alone(trial: Trial, run: int, columns: FloatArray) -> list[FloatArray]:

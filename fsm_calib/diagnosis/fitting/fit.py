@@ -25,7 +25,7 @@ from fsm_calib.world2d.parameters import parameter_table
 
 SMALL_GAIN = 0.1  # log-likelihood units: a smaller gain ends the iteration
 
-AT_A_TIME = 16  # parameter vectors that are simulated in one call
+AT_A_TIME = 16  # columns that are worked on at once
 SAMPLED = 64  # rows of a column that are looked at first
 REMEMBERED = 4  # filters at so many noises
 NEGLIGIBLE = 0.01  # log-likelihood units: a fit that may be given up does not try a step that promises less
@@ -225,8 +225,7 @@ class Engine:
     def of_recording(self, run: int, whiteners: Sequence[Whitener], rows: FloatArray) -> FloatArray:
         """Return the log-likelihood (m,) of one recording at each of the parameters `rows` (m, p)."""
         simulator, white = self.simulators[run], whiteners[run]
-        parts = [simulator.increments(rows[i : i + AT_A_TIME]) for i in range(0, len(rows), AT_A_TIME)]
-        residuals = (white.residual(simulated) for part in parts for simulated in part)
+        residuals = (white.residual(simulated) for simulated in simulator.increments(rows))
         return np.array([log_density(r, white.log_scale, self.nu).sum() for r in residuals])
 
     def _white_known(
