@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from diagnosis_robots import engine_of, recording
+from diagnosis_robots import engine_of, recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
@@ -37,3 +37,14 @@ def test_a_radius_that_is_stated_2_per_cent_wrong_hides_no_uneven_wheel(lobes):
 
 def test_a_round_wheel_has_no_pace_that_makes_it_uneven():
     assert best(0.0, 0.98).evidence < 0.0
+
+
+def test_a_wheel_whose_angle_is_measured_has_no_pace_to_choose():
+    numbers = {f"{NAME}__right": 0.1}
+    engine = engine_of(*(with_encoders(seed, **numbers) for seed in (0, 1)))
+    bank = Bank.on(engine, fit_base(engine))
+    begun = [start for _, starts in bank.plans(registry()[NAME]) for start in starts]
+    pace = parameter_table().place(f"{NAME}.pace")
+    assert len(begun) > 1
+    assert all((start.values[:, pace] == 1.0).all() for start in begun)
+    assert number(bank.best_of(registry()[NAME]), "right") == pytest.approx(0.1, abs=0.01)

@@ -154,7 +154,8 @@ class Bank:
 
     def _starts(self, hypothesis: Hypothesis, hope: float) -> list[Start]:
         """Return where to start a form; nowhere if what it may change is far from winning `hope`, to first order."""
-        effect, choices = registry()[hypothesis.effect], declared_starts(hypothesis)
+        effect = registry()[hypothesis.effect]
+        choices = declared_starts(hypothesis, self._measured(effect))
         few = self.distinct.get(hypothesis, range(len(choices)))
         probes = dict(zip(few, self.prober.probes(hypothesis, [choices[i] for i in few]), strict=True))
         if hypothesis not in self.distinct:
@@ -255,9 +256,10 @@ class Bank:
         how it is felt: a rough spot under the wheels that was begun under the body's middle lacked 575 units.
         """
         effect, best = registry()[ranked.name], ranked
+        measured = self._measured(effect)
         for choice in effect.choices:
             full = f"{effect.name}.{choice.name}"
-            if full not in best.hypothesis.held:
+            if full not in {**best.hypothesis.held, **measured}:
                 now = float(best.fit.values[0, parameter_table().place(full)])
                 others = [self._chosen(best, full, value) for value in choice.starts if value != now]
                 best = max([best, *others], key=lambda r: r.gain)
@@ -269,8 +271,15 @@ class Bank:
         if registry()[ranked.name].scan:
             start = Start(with_values(ranked.fit.values, {full: value}, form.run), 0.0)
         else:
-            start = self.prober.best_starts(form, declared_starts(form, {full: value}), 1)[0]
+            given = {**self._measured(registry()[form.effect]), full: value}
+            start = self.prober.best_starts(form, declared_starts(form, given), 1)[0]
         return self._begun(form, start)
+
+    def _measured(self, effect: Effect) -> dict[str, float]:
+        """Return the choices of an effect that measured wheels leave no room for, by full name, as they are then."""
+        if not all(s.prepared.has_encoders for s in self.engine.simulators):
+            return {}
+        return {f"{effect.name}.{p.name}": p.null for p in effect.choices if p.without_encoders}
 
     def _ranked(self, hypothesis: Hypothesis, fit: Fit) -> Ranked:
         """Return the fit with its evidence, at the parent's point where it came out worse."""

@@ -31,6 +31,8 @@ class Parameter:
     fitted : bool
         Whether a fit moves it. The others serve the world only, or, with `starts`, are choices that a diagnosis
         tries.
+    without_encoders : bool
+        Whether a diagnosis tries this choice only where nobody measured the wheels; else its null value is the truth.
     mirror : str
         What becomes of the value when left and right change places: ``same``, ``negate``, ``complement`` (of
         a full difference) or ``swap:NAME`` with the value of another parameter.
@@ -68,6 +70,7 @@ class Parameter:
     strength: bool = True
     per_recording: bool = False
     fitted: bool = True
+    without_encoders: bool = False
     mirror: str = "same"
     starts: tuple[float, ...] = ()
     step: float = 0.0

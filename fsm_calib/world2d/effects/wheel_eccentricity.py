@@ -107,6 +107,7 @@ EFFECT = Effect(
             "sheets err by 1 to 3 %",
             strength=False,
             fitted=False,
+            without_encoders=True,
             starts=PACES,
         ),
         Parameter(
