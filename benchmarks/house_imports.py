@@ -21,6 +21,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = "fsm_calib"
 Files = Mapping[str, str]
 """Source text by path below the package, with `/`."""
+Import = ast.Import | ast.ImportFrom
 Arrows = dict[tuple[str, str], list[str]]
 """What makes each arrow: ``file -> module``."""
 
@@ -127,11 +128,11 @@ def imports(files: Files, *, at_load: bool = False) -> Iterator[tuple[str, str]]
 
 
 @cache
-def _import_statements(text: str, at_load: bool) -> tuple[ast.AST, ...]:
+def _import_statements(text: str, at_load: bool) -> tuple[Import, ...]:
     """Return a file's imports; kept, since a test asks of the whole house once for each wrong import that it plants."""
     tree = ast.parse(text)
     nodes = _loaded(tree) if at_load else ast.walk(tree)
-    return tuple(node for node in nodes if isinstance(node, ast.Import | ast.ImportFrom))
+    return tuple(node for node in nodes if isinstance(node, Import))
 
 
 def _loaded(tree: ast.AST) -> Iterator[ast.AST]:
@@ -150,12 +151,10 @@ def module_name(path: str) -> str:
     return path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
 
 
-def _named(node: ast.AST, path: str) -> Iterable[str]:
+def _named(node: Import, path: str) -> Iterable[str]:
     """Return the modules that an import names, below the package."""
     if isinstance(node, ast.Import):
         return [a.name.removeprefix(f"{PACKAGE}.") for a in node.names if a.name.startswith(f"{PACKAGE}.")]
-    if not isinstance(node, ast.ImportFrom):
-        return []
     if node.level:
         around = ["", *path.split("/")[:-1]][: -(node.level - 1) or None]
         base = ".".join([*filter(None, around), *filter(None, [node.module])])

@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from benchmarks.exudyn_robots import engine
 from benchmarks.exudyn_robots.driver import Commands, Driver
 from benchmarks.exudyn_robots.engine import STEP, Truth
+from benchmarks.exudyn_robots.physics import G
 from benchmarks.exudyn_robots.robots import KINDS, Setup, draw
 
 RESULTS: list[bool] = []
@@ -79,7 +80,7 @@ def torque_speed() -> None:
                 for c in s.body.casters:
                     c.mu = 0.0
                 s.par["rolling"] = 0.0
-                weight = s.body.mass * 9.81
+                weight = s.body.mass * G
                 s.par["trailer"], s.par["hitch"], s.par["trailer_l"] = share * weight, 0.0, 1.0
                 truth = steady(s, duty, duty, 6.0)
                 rate = (truth.angle[-1] - truth.angle[-101]) / (truth.t[-1] - truth.t[-101])
@@ -126,7 +127,7 @@ def grip() -> None:
     truth = steady(s, 1.0, 1.0, 2.0)
     k = truth.t > 1.1
     fit = np.polyfit(truth.t[k][:40], truth.pose[k, 0][:40], 2)
-    tell("slippery floor: acceleration over mu g", 2.0 * float(fit[0]) / (0.03 * 9.81), 1.02, "")
+    tell("slippery floor: acceleration over mu g", 2.0 * float(fit[0]) / (0.03 * G), 1.02, "")
 
 
 def spin() -> None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.exudyn_robots.physics import G
 from benchmarks.exudyn_robots.robots import Setup
 
 
@@ -36,6 +37,14 @@ class Draw:
     def angle(self, k: int) -> float:
         """Uniform k as a direction, rad."""
         return float(2.0 * math.pi * self.u[k] - math.pi)
+
+    def towards(self, k: int, length: float) -> tuple[float, float]:
+        """A vector of this length in the direction of uniform k."""
+        return length * math.cos(self.angle(k)), length * math.sin(self.angle(k))
+
+    def spot(self, k: int) -> np.ndarray:
+        """One of the places the driver likes, m."""
+        return self.spots[int(len(self.spots) * self.u[k])]
 
     def sides(self, k: int) -> np.ndarray:
         """Both wheels alike, unlike, or one only."""
@@ -70,6 +79,22 @@ class Law:
 LAWS: list[Law] = []
 
 
+def both(x: Setup, name: str, unit: str) -> dict[str, float]:
+    """What a parameter of both wheels is, for the key."""
+    left, right = x.par[name][0]
+    return {f"left_{unit}": float(left), f"right_{unit}": float(right)}
+
+
+def of_weight(x: Setup, share: float) -> float:
+    """A share of the robot's weight, N."""
+    return share * x.body.mass * G
+
+
+def caster_load(x: Setup) -> float:
+    """What a caster bears, N."""
+    return of_weight(x, 0.15)
+
+
 def law(
     label: str,
     name: str,
@@ -91,14 +116,14 @@ def law(
 @law("motor_deadband", "cut_out", "command", 0.01, 0.45)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["dead"] = np.minimum(size * np.maximum(d.sides(0), 0.5), 0.6)
-    return {"left_command": float(x.par["dead"][0, 0]), "right_command": float(x.par["dead"][0, 1])}
+    return both(x, "dead", "command")
 
 
 @law("motor_deadband", "subtracted", "command", 0.01, 0.35)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["dead"] = np.minimum(size * np.maximum(d.sides(0), 0.5), 0.5)
     x.par["dead_subtract"] = 1.0
-    return {"left_command": float(x.par["dead"][0, 0]), "right_command": float(x.par["dead"][0, 1])}
+    return both(x, "dead", "command")
 
 
 @law("command_saturation", "clipped", "share_lost", 0.05, 0.75)
@@ -128,28 +153,25 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 @law("motor_reverse_asymmetry", "firmware", "share_lost", 0.01, 0.6)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["reverse"] = 1.0 - size * np.minimum(d.sides(0), 1.2)
-    return {"left_share": float(x.par["reverse"][0, 0]), "right_share": float(x.par["reverse"][0, 1])}
+    return both(x, "reverse", "share")
 
 
 @law("motor_reverse_asymmetry", "brush_timing", "share_lost", 0.01, 0.5, needs=("duty",))
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["reverse_brush"] = 1.0 - size * np.minimum(d.sides(0), 1.2)
-    return {
-        "left_free_share": float(x.par["reverse_brush"][0, 0]),
-        "right_free_share": float(x.par["reverse_brush"][0, 1]),
-    }
+    return both(x, "reverse_brush", "free_share")
 
 
 @law("motor_asymmetric_lag", "first_order", "s", 0.02, 1.5)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["lag"] = size * d.sides(0)
-    return {"left_s": float(x.par["lag"][0, 0]), "right_s": float(x.par["lag"][0, 1])}
+    return both(x, "lag", "s")
 
 
 @law("motor_asymmetric_lag", "slew", "s_to_full", 0.03, 5.0)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["slew"] = 1.0 / (size * np.maximum(d.sides(0), 0.05))
-    return {"left_per_s": float(x.par["slew"][0, 0]), "right_per_s": float(x.par["slew"][0, 1])}
+    return both(x, "slew", "per_s")
 
 
 def _fault(x: Setup, size: float, d: Draw) -> None:
@@ -229,7 +251,7 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 @law("coulomb_friction", "bearings", "share_of_stall", 0.02, 0.5)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["dry"] += size * x.par["stall"] * np.maximum(d.sides(0), 0.4)
-    return {"left_nm": float(x.par["dry"][0, 0]), "right_nm": float(x.par["dry"][0, 1])}
+    return both(x, "dry", "nm")
 
 
 @law("coulomb_friction", "stribeck", "share_of_stall", 0.02, 0.4)
@@ -237,24 +259,20 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["dry"] += size * x.par["stall"] * np.maximum(d.sides(0), 0.4)
     x.par["static_extra"] = d.span(2, 0.3, 0.8)
     x.par["static_rate"] = d.span(3, 0.05, 0.15) * x.par["free"].mean()
-    return {
-        "left_nm": float(x.par["dry"][0, 0]),
-        "right_nm": float(x.par["dry"][0, 1]),
-        "static_share_more": float(x.par["static_extra"][0]),
-    }
+    return both(x, "dry", "nm") | {"static_share_more": float(x.par["static_extra"][0])}
 
 
 @law("coulomb_friction", "gear_mesh", "share_of_torque", 0.1, 0.8)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["mesh"] = size
     x.par["dry"] += 0.25 * size * x.par["stall"]
-    return {"mesh_share": size, "left_nm": float(x.par["dry"][0, 0]), "right_nm": float(x.par["dry"][0, 1])}
+    return {"mesh_share": size} | both(x, "dry", "nm")
 
 
 def _play(x: Setup, size: float, d: Draw, at_wheel: float) -> dict[str, float]:
     x.par["play_on"], x.par["encoder_at_wheel"] = 1.0, at_wheel
     x.par["play"] = size * d.sides(0)
-    return {"left_rad": float(x.par["play"][0, 0]), "right_rad": float(x.par["play"][0, 1])}
+    return both(x, "play", "rad")
 
 
 @law("gear_backlash", "gear", "rad", 0.003, 0.6)
@@ -271,18 +289,14 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["off_centre"] = size * x.par["radius"] * d.sides(0)
     x.par["off_phase"] = [d.angle(2), d.angle(3)]
-    return {"left_m": float(x.par["off_centre"][0, 0]), "right_m": float(x.par["off_centre"][0, 1])}
+    return both(x, "off_centre", "m")
 
 
 @law("wheel_eccentricity", "oval", "share_of_radius", 0.004, 0.2)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.par["oval"] = size * x.par["radius"] * d.sides(0)
     x.par["off_phase"] = [d.angle(2), d.angle(3)]
-    return {"left_m": float(x.par["oval"][0, 0]), "right_m": float(x.par["oval"][0, 1])}
-
-
-def _caster_load(x: Setup) -> float:
-    return 0.15 * x.body.mass * 9.81
+    return both(x, "oval", "m")
 
 
 @law("caster_drag", "brake", "coefficient", 0.03, 0.9)
@@ -290,7 +304,7 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     for c in x.body.casters:
         if c.gap == 0.0:
             c.mu += size
-            c.axle_friction += size * _caster_load(x) * c.radius
+            c.axle_friction += size * caster_load(x) * c.radius
     return {"coefficient_more": size}
 
 
@@ -298,13 +312,13 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     for c in x.body.casters:
         if c.gap == 0.0:
-            c.pivot_friction += size * _caster_load(x) * c.trail
+            c.pivot_friction += size * caster_load(x) * c.trail
     return {"pivot_coefficient": size}
 
 
 @law("caster_drag", "sticks", "coefficient", 0.05, 1.2, needs=("ball",))
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
-    x.par["caster_stick"], x.par["caster_load"] = size, _caster_load(x)
+    x.par["caster_stick"], x.par["caster_load"] = size, caster_load(x)
     x.par["caster_stick_period"], x.par["caster_stick_share"] = d.span(0, 0.2, 0.8), d.span(1, 0.3, 0.6)
     return {
         "coefficient": size,

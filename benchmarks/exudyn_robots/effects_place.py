@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 
-from benchmarks.exudyn_robots.effects import LAWS, Draw, Law, law
+from benchmarks.exudyn_robots.effects import LAWS, Draw, Law, caster_load, law, of_weight
 from benchmarks.exudyn_robots.robots import Setup
 
 OUTSIDE = "outside"
@@ -38,7 +38,7 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 
 @law("floor_tilt", "plane", "rad", 0.001, 0.12)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
-    x.par["tilt_x"], x.par["tilt_y"] = size * math.cos(d.angle(0)), size * math.sin(d.angle(0))
+    x.par["tilt_x"], x.par["tilt_y"] = d.towards(0, size)
     return {"tilt_rad": size, "downhill_rad": d.angle(0)}
 
 
@@ -73,7 +73,7 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 
 def _spot(x: Setup, d: Draw, name: str, low: float, high: float) -> dict[str, float]:
     """Puts a round place on one of the spots the driver likes."""
-    at = d.spots[int(len(d.spots) * d.u[0])]
+    at = d.spot(0)
     r = d.span(1, low, high)
     x.par[f"{name}_x"], x.par[f"{name}_y"], x.par[f"{name}_r"] = at[0], at[1], r
     return {"x_m": float(at[0]), "y_m": float(at[1]), "radius_m": r}
@@ -81,7 +81,7 @@ def _spot(x: Setup, d: Draw, name: str, low: float, high: float) -> dict[str, fl
 
 @law("rough_floor_patch", "rubber_mat", "rolling_coefficient", 0.01, 0.4, local=True)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
-    x.par["rough"], x.par["caster_load"] = size, 0.15 * x.body.mass * 9.81
+    x.par["rough"], x.par["caster_load"] = size, caster_load(x)
     return {"rolling_coefficient": size} | _spot(x, d, "rough", 0.3, 0.65)
 
 
@@ -104,7 +104,7 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 
 
 def _push(x: Setup, size: float, d: Draw, time: float, flat: float) -> dict[str, float]:
-    x.par["push"] = size * x.body.mass * 9.81
+    x.par["push"] = of_weight(x, size)
     begin = 5.0 + (d.seconds[d.run] - 15.0) * float((d.u[0] + 0.37 * d.run) % 1.0)
     x.par["push_from"], x.par["push_time"], x.par["push_flat"] = begin, time, flat
     x.par["push_angle"] = d.angle(1)
@@ -141,10 +141,8 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 
 @law("sensor_offset", "bracket", "m", 0.002, 0.2)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
-    x.sensing.tag = (
-        x.sensing.tag[0] + size * math.cos(d.angle(0)),
-        x.sensing.tag[1] + size * math.sin(d.angle(0)),
-    )
+    ahead, left = d.towards(0, size)
+    x.sensing.tag = (x.sensing.tag[0] + ahead, x.sensing.tag[1] + left)
     return {"x_m": x.sensing.tag[0], "y_m": x.sensing.tag[1]}
 
 
@@ -168,7 +166,7 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 
 
 def _marker(x: Setup, d: Draw) -> dict[str, float]:
-    at = d.spots[int(len(d.spots) * d.u[0])]
+    at = d.spot(0)
     x.sensing.marker_x, x.sensing.marker_y = float(at[0]), float(at[1])
     x.sensing.marker_r = d.span(1, 0.4, 0.8)
     return {"x_m": float(at[0]), "y_m": float(at[1]), "radius_m": x.sensing.marker_r}
@@ -176,32 +174,29 @@ def _marker(x: Setup, d: Draw) -> dict[str, float]:
 
 @law("misplaced_marker", "shifted", "m", 0.002, 0.25, local=True)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
-    x.sensing.marker_shift = (size * math.cos(d.angle(2)), size * math.sin(d.angle(2)))
+    x.sensing.marker_shift = d.towards(2, size)
     return {"shift_m": size, "angle_rad": d.angle(2)} | _marker(x, d)
 
 
 @law("misplaced_marker", "turned", "rad", 0.005, 0.5, local=True)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     x.sensing.marker_turn = size if d.u[2] < 0.5 else -size
-    x.sensing.marker_shift = (0.2 * size * math.cos(d.angle(3)), 0.2 * size * math.sin(d.angle(3)))
+    x.sensing.marker_shift = d.towards(3, 0.2 * size)
     return {"turn_rad": x.sensing.marker_turn, "shift_m": 0.2 * size} | _marker(x, d)
 
 
 @law(OUTSIDE, "elastic_tether", "share_of_weight_per_m", 0.001, 0.3)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
-    x.par["tether_k"] = size * x.body.mass * 9.81
-    x.par["tether_x"], x.par["tether_y"] = (
-        x.half_area * math.cos(d.angle(0)),
-        x.half_area * math.sin(d.angle(0)),
-    )
+    x.par["tether_k"] = of_weight(x, size)
+    x.par["tether_x"], x.par["tether_y"] = d.towards(0, x.half_area)
     x.par["tether_l"] = d.span(1, 0.5, 1.2) * x.half_area
     return {"stiffness_n_per_m": float(x.par["tether_k"][0]), "slack_m": float(x.par["tether_l"][0])}
 
 
 @law(OUTSIDE, "wind_jet", "share_of_weight", 0.001, 0.3)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
-    x.par["wind"] = size * x.body.mass * 9.81
-    at = d.spots[int(len(d.spots) * d.u[0])]
+    x.par["wind"] = of_weight(x, size)
+    at = d.spot(0)
     x.par["wind_x"], x.par["wind_y"], x.par["wind_angle"] = at[0], at[1], d.angle(1)
     x.par["wind_width"] = d.span(2, 0.3, 0.6)
     return {"force_n": float(x.par["wind"][0]), "width_m": float(x.par["wind_width"][0])}
@@ -209,7 +204,7 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 
 @law(OUTSIDE, "magnetic_field", "share_of_weight_times_axle", 0.003, 0.2)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
-    x.par["compass"] = size * x.body.mass * 9.81 * x.par["axle"]
+    x.par["compass"] = of_weight(x, size) * x.par["axle"]
     x.par["compass_angle"] = d.angle(0)
     return {"torque_nm": float(x.par["compass"][0])}
 
@@ -217,7 +212,7 @@ def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
 @law(OUTSIDE, "trailer", "share_of_weight", 0.001, 0.4)
 def _(x: Setup, size: float, d: Draw) -> dict[str, float]:
     axle = float(x.par["axle"][0])
-    x.par["trailer"] = size * x.body.mass * 9.81
+    x.par["trailer"] = of_weight(x, size)
     x.par["trailer_l"], x.par["hitch"] = d.span(0, 1.0, 2.0) * axle, d.span(1, 0.5, 0.8) * axle
     return {"drag_n": float(x.par["trailer"][0]), "length_m": float(x.par["trailer_l"][0])}
 

@@ -23,10 +23,10 @@ from exudyn import itemInterface as eii
 
 from benchmarks.exudyn_robots import physics
 from benchmarks.exudyn_robots.params import STATE
+from benchmarks.exudyn_robots.physics import G
 
 STEP = 0.0025
 KEEP = 4  # one row of truth every KEEP steps
-G = 9.81
 
 
 @dataclass

@@ -18,12 +18,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmarks.exudyn_robots import effects_place
 from benchmarks.exudyn_robots.effects import Draw, Law
 from benchmarks.exudyn_robots.effects_place import GROUPS, LABELS, OUTSIDE, group_of, laws_of
 from benchmarks.exudyn_robots.robots import describe, draw, nuisances
-from benchmarks.exudyn_robots.sensing import write
+from benchmarks.exudyn_robots.sensing import recorded
 from benchmarks.exudyn_robots.trial import RUNS, Effect, Trial, Unreachable, new_trial
+from fsm_calib.recording.writers import write_recording
 
 BLOCK = ["plain"] * 30 + ["faint"] * 6 + ["pair"] * 6 + ["clean"] * 3 + ["outside"] * 5
 BANDS = {"plain": (2.5, 7.0), "pair": (2.5, 7.0), "outside": (2.5, 7.0), "faint": (1.3, 2.0)}
@@ -172,15 +172,9 @@ def robot(seed: int, index: int, out: Path, verbose: bool) -> dict[str, Any]:
         raise RuntimeError(f"{name}: no draw reached its band")
     for run, folder in enumerate(RUNS):
         setup = trial.setup(run, trial.effects)
-        write(
-            out / name / folder,
-            name,
-            setup.sheet,
-            setup.sensing,
-            trial.truths[run],
-            trial.commands[run],
-            rng,
-        )
+        truth, commands = trial.truths[run], trial.commands[run]
+        seen = recorded(name, setup.sheet, setup.sensing, truth, commands, rng)
+        write_recording(seen, out / name / folder)
     key = entry(trial, name, family, tries)
     if verbose:
         what = ", ".join(f"{f['label']}/{f['law']} {f['ratio']}" for f in key["effects"])
@@ -201,7 +195,6 @@ def main() -> None:
     parser.add_argument("--only", default="", help="indices, with commas")
     parser.add_argument("--verbose", action="store_true", help="tells what each robot carries")
     args = parser.parse_args()
-    assert effects_place.LABELS
     args.out.mkdir(parents=True, exist_ok=True)
     chosen = [int(k) for k in args.only.split(",") if k] or list(range(args.robots))
     path = args.out / "keys.json"

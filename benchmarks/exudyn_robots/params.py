@@ -48,7 +48,6 @@ PAR = np.dtype(
         ("lag", "f8", 2),
         ("slew", "f8", 2),
         ("couple", "f8"),
-        ("couple_shared", "f8"),
         ("fault_side", "i8"),
         ("fault_loss", "f8"),
         ("fault_chop", "f8"),
@@ -120,7 +119,6 @@ PAR = np.dtype(
         ("caster_stick", "f8"),
         ("caster_stick_period", "f8"),
         ("caster_stick_share", "f8"),
-        ("caster_force_mu", "f8"),
         # outside the labels
         ("tether_k", "f8"),
         ("tether_x", "f8"),
@@ -178,7 +176,6 @@ def blank() -> np.ndarray:
     """A parameter record (shape (1,)) with every law switched off."""
     p = np.zeros(1, PAR)
     p["limit"] = 1.0
-    p["limit_soft"] = 0.0
     p["curve_power"] = 1.0
     p["reverse"] = 1.0
     p["reverse_brush"] = 1.0

@@ -79,8 +79,6 @@ def _duty(p, s, i, u, angle):
 def _motor(p, s, i, duty, rate):
     """Torque (N m at the wheel) of a DC motor: T = Ts (V - w/w0), with supply and winding heat."""
     supply = 1.0 - p.battery_fall * s.step * p.dt - s.polarised - p.battery_r * s.current
-    if p.couple_shared > 0.0:  # both bridges behind one shunt: together no more than the limit
-        supply /= 1.0 + p.couple_shared * max(s.current, 0.0) ** 2
     free = p.free[i] * (p.reverse_brush[i] if duty < 0.0 else 1.0)
     free *= 1.0 + p.magnet * (1.0 - math.exp(-s.step * p.dt / p.magnet_tau))
     stall = p.stall[i] / (1.0 + p.heat * s.warm[i])

@@ -10,9 +10,8 @@ import numpy as np
 from benchmarks.exudyn_robots import engine
 from benchmarks.exudyn_robots.engine import Body, Caster
 from benchmarks.exudyn_robots.params import blank
+from benchmarks.exudyn_robots.physics import G
 from benchmarks.exudyn_robots.sensing import Sensing
-
-G = 9.81
 
 
 @dataclass(frozen=True)

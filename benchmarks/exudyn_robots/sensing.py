@@ -1,18 +1,15 @@
-"""What is recorded of a run: the tag's poses as a camera reports them, wheel encoders, and the three
-files.
-"""
+"""What is recorded of a run: the tag's poses as a camera reports them, commands, and wheel encoders."""
 
 from __future__ import annotations
 
-import gzip
-import io
 import math
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from benchmarks.exudyn_robots.engine import Truth
+from fsm_calib.recording.channels import CommandTrack, PoseTrack, WheelPair
+from fsm_calib.recording.recording import Recording, RobotFacts
 
 
 @dataclass
@@ -97,15 +94,6 @@ class Sensing:
         return np.stack([x, y, h], axis=1), inside
 
 
-def _table(path: Path, header: str, columns: list[np.ndarray]) -> None:
-    text = io.StringIO()
-    text.write(header + "\n")
-    for row in zip(*(c.tolist() for c in columns), strict=True):
-        text.write(",".join(repr(v) for v in row) + "\n")
-    with open(path, "wb") as raw, gzip.GzipFile(filename="", fileobj=raw, mode="wb", mtime=0) as out:
-        out.write(text.getvalue().encode())
-
-
 def _stamps(rng: np.random.Generator, hz: float, end: float, jitter: float) -> np.ndarray:
     """Sampling times: own phase, jitter, strictly growing."""
     t = np.arange(rng.uniform(0.0, 1.0 / hz), end, 1.0 / hz)
@@ -119,26 +107,21 @@ def _noise(rng: np.random.Generator, n: int, sd: float, tail: float) -> np.ndarr
     return e if tail == 0.0 else np.where(rng.random(n) < 0.05, tail * e, e)
 
 
-def write(
-    folder: Path,
+def recorded(
     name: str,
     sheet: dict[str, float],
     sensing: Sensing,
     truth: Truth,
     commands: np.ndarray,
     rng: np.random.Generator,
-) -> None:
-    """Write one recording. `commands`: rows left, right at command_hz from time 0."""
-    folder.mkdir(parents=True, exist_ok=True)
+) -> Recording:
+    """What is recorded of a run. `commands`: rows left, right at command_hz from time 0."""
     end = float(truth.t[-1])
     t = np.arange(len(commands)) / sensing.command_hz
     keep = np.ones(len(t), bool)
     if sensing.log_changes:
         keep[1:] = np.any(np.diff(commands, axis=0) != 0.0, axis=1)
         keep[:: int(sensing.command_hz)] = True
-    _table(
-        folder / "command.csv.gz", "time,left,right", [np.round(t[keep], 6), *np.round(commands[keep].T, 6)]
-    )
     last = end * (1.0 + sensing.clock_rate) + sensing.clock_bend * end * end / 60.0
     stamp = _stamps(rng, sensing.pose_hz, last, sensing.stamp_jitter)
     pose, _ = sensing.observe(truth, stamp)
@@ -153,22 +136,17 @@ def write(
     )
     pose[:, 2] = (pose[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
     there = rng.random(n) >= sensing.missing
-    _table(folder / "pose.csv.gz", "time,x,y,theta", [stamp[there], *pose[there].T])
-    told = ", ".join(f"{k}: {v}" for k, v in sheet.items())
-    lines = [
-        "format: fsm-calib/recording@1",
-        f"robot: {{name: {name}, {told}}}",
-        "channels:",
-        "  command: {file: command.csv.gz, time: time, left: left, right: right, unit: normalized}",
-        "  pose: {file: pose.csv.gz, time: time, x: x, y: y, theta: theta}",
-    ]
-    if sensing.encoder_hz > 0.0:
-        stamp = _stamps(rng, sensing.encoder_hz, end, 0.0)
-        per = sensing.ticks_per_turn / (2.0 * math.pi)
-        ticks = [np.floor(np.interp(stamp, truth.t, truth.angle[:, i]) * per) for i in range(2)]
-        _table(folder / "wheel_angle.csv.gz", "time,left,right", [stamp, *ticks])
-        lines.append(
-            "  wheel_angle: {file: wheel_angle.csv.gz, time: time, left: left, right: right, unit: tick, "
-            f"ticks_per_turn: {float(sensing.ticks_per_turn)}}}"
-        )
-    (folder / "recording.yaml").write_text("\n".join(lines) + "\n")
+    return Recording(
+        robot=RobotFacts(name=name, **sheet),
+        command=CommandTrack(np.round(t[keep], 6), *np.round(commands[keep].T, 6)),
+        pose=PoseTrack(stamp[there], *pose[there].T),
+        wheel_angle=_encoders(sensing, truth, end, rng) if sensing.encoder_hz > 0.0 else None,
+        source=name,
+    )
+
+
+def _encoders(sensing: Sensing, truth: Truth, end: float, rng: np.random.Generator) -> WheelPair:
+    stamp = _stamps(rng, sensing.encoder_hz, end, 0.0)
+    per = sensing.ticks_per_turn / (2.0 * math.pi)
+    left, right = (np.floor(np.interp(stamp, truth.t, truth.angle[:, i]) * per) / per for i in range(2))
+    return WheelPair(stamp, left, right, "rad", 1.0 / per)

@@ -256,10 +256,10 @@ class Bank:
         how it is felt: a rough spot under the wheels that was begun under the body's middle lacked 575 units.
         """
         effect, best = registry()[ranked.name], ranked
-        measured = self._measured(effect)
+        settled = {**ranked.hypothesis.held, **self._measured(effect)}
         for choice in effect.choices:
             full = f"{effect.name}.{choice.name}"
-            if full not in {**best.hypothesis.held, **measured}:
+            if full not in settled:
                 now = float(best.fit.values[0, parameter_table().place(full)])
                 others = [self._chosen(best, full, value) for value in choice.starts if value != now]
                 best = max([best, *others], key=lambda r: r.gain)

@@ -15,12 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from fsm_calib.diagnosis.candidates.free_number import (
-    NEEDED,
-    evidence_of_freed,
-    unless_stood_in,
-    with_free,
-)
+from fsm_calib.diagnosis.candidates.free_number import NEEDED, evidence_of_freed, unless_stood_in, with_free
 from fsm_calib.diagnosis.fitting.base import grip_slot, have_encoders, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.world2d.effects import Effect
