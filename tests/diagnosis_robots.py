@@ -14,7 +14,7 @@ from fsm_calib.recording.channels import CommandTrack, PoseTrack, WheelPair
 from fsm_calib.recording.recording import Recording, RobotFacts
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
-from fsm_calib.world2d.parameters import parameters
+from fsm_calib.world2d.parameters import parameter_table, parameters
 from fsm_calib.world2d.rollout import Drive, simulate
 
 GAIN_LEFT, GAIN_RIGHT = 0.66, 0.61  # m/s
@@ -42,6 +42,11 @@ def robot(**changes):
     """Return the parameters of a robot, changed by full name with `__` for the dot."""
     base = {"gain_left": GAIN_LEFT, "gain_right": GAIN_RIGHT}
     return parameters({**base, **{name.replace("__", "."): value for name, value in changes.items()}})
+
+
+def fitted_number(fit, name):
+    """Return a number of a fit by its full name, with a dot or `__` for it."""
+    return float(fit.values[0, parameter_table().place(name.replace("__", "."))])
 
 
 def speeds(times, levels, grid, **changes):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, recording, selector_on
+from diagnosis_robots import engine_of, fitted_number, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
@@ -64,7 +64,7 @@ def softly_limited():
 
 def test_a_soft_limit_is_found_with_its_own_knee(softly_limited):
     _, found = softly_limited
-    knee = found.fit.values[0, parameter_table().place("command_saturation.knee")]
+    knee = fitted_number(found.fit, "command_saturation.knee")
     assert found.hypothesis.closure == "soft limit, own knee"
     assert knee == pytest.approx(0.5, abs=0.1)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, recording
+from diagnosis_robots import engine_of, fitted_number, recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
@@ -56,7 +56,7 @@ def test_a_place_that_is_nowhere_crossed_is_not_taken_for_it(selector, monkeypat
     far = replace(spot.fit, values=with_values(spot.fit.values, {"rough_floor_patch.x": 30.0}))
     monkeypatch.setattr(selection, "placed", lambda engine, fit, effects, rng: far)
     found = selector._polished(spot, selector.base)
-    assert found.fit.values[0, parameter_table().place("rough_floor_patch.x")] == pytest.approx(0.12, abs=0.1)
+    assert fitted_number(found.fit, "rough_floor_patch.x") == pytest.approx(0.12, abs=0.1)
 
 
 def test_how_a_place_is_felt_is_tried_again_where_its_fit_has_ended(selector):

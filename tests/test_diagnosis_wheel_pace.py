@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from diagnosis_robots import engine_of, recording, with_encoders
+from diagnosis_robots import engine_of, fitted_number, recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
@@ -23,7 +23,7 @@ def best(share, stated, **changes):
 
 
 def number(found, name):
-    return float(found.fit.values[0, parameter_table().place(f"{NAME}.{name}")])
+    return fitted_number(found.fit, f"{NAME}.{name}")
 
 
 @pytest.mark.parametrize("lobes", [1.0, 2.0])

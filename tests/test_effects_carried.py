@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import START, drive, judged, robot
+from diagnosis_robots import START, drive, fitted_number, judged, robot
 
 from fsm_calib.world2d.observation import predict
-from fsm_calib.world2d.parameters import parameter_table
 
 CARRIED = {"carpet_nap__carried_x": 0.03, "carpet_nap__carried_y": -0.02}
 
@@ -32,5 +31,5 @@ def test_a_pile_that_carries_is_found_by_its_size():
     assert [belief.name for belief in decision.named] == ["carpet_nap"]
     assert decision.model.effects[0].hypothesis.closure == "carried along the pile"
     for name, share in CARRIED.items():
-        found = decision.model.fit.values[0, parameter_table().place(name.replace("__", "."))]
+        found = fitted_number(decision.model.fit, name)
         assert found == pytest.approx(share, abs=0.004)

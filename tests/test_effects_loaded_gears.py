@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import judged, speeds
-
-from fsm_calib.world2d.parameters import parameter_table
+from diagnosis_robots import fitted_number, judged, speeds
 
 MESH = 0.3
 GRID = np.arange(0.0, 8.0, 0.005)
@@ -36,5 +34,5 @@ def test_loaded_gears_are_named_dry_friction_with_both_sizes():
     assert [belief.name for belief in decision.named] == ["coulomb_friction"]
     assert decision.model.effects[0].hypothesis.closure == "of loaded gears"
     for name, size in hidden.items():
-        found = decision.model.fit.values[0, parameter_table().place(name.replace("__", "."))]
+        found = fitted_number(decision.model.fit, name)
         assert found == pytest.approx(size, rel=0.25)

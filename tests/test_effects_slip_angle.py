@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import START, judged, robot
+from diagnosis_robots import START, fitted_number, judged, robot
 
 from fsm_calib.world2d.observation import predict
-from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive
 
 ANGLE = 0.06
@@ -40,5 +39,5 @@ def test_creeping_tyres_are_named_by_the_angle():
     decision = judged(("lateral_slip", "sensor_offset", "sensor_yaw", "payload_offset"), **CREEPING)
     assert [belief.name for belief in decision.named] == ["lateral_slip"]
     assert decision.model.effects[0].hypothesis.closure == "slip angle"
-    found = decision.model.fit.values[0, parameter_table().place("lateral_slip.slip_angle")]
+    found = fitted_number(decision.model.fit, "lateral_slip.slip_angle")
     assert found == pytest.approx(ANGLE, rel=0.1)

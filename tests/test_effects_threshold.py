@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import judged
+from diagnosis_robots import fitted_number, judged
 
 from fsm_calib.world2d.effects.motor_deadband import EDGE, offset
 from fsm_calib.world2d.parameters import parameter_table, parameters
@@ -30,5 +30,5 @@ def test_it_is_named_by_its_size():
     decision = judged(rivals, motor_deadband__threshold=0.12)
     assert [belief.name for belief in decision.named] == ["motor_deadband"]
     assert decision.model.effects[0].hypothesis.closure == "ignored when small"
-    found = float(decision.model.fit.values[0, parameter_table().place("motor_deadband.threshold")])
+    found = fitted_number(decision.model.fit, "motor_deadband.threshold")
     assert found == pytest.approx(0.12, abs=EDGE)
