@@ -3,7 +3,8 @@
 import pytest
 from diagnosis_robots import engine_of, recording
 
-from fsm_calib.diagnosis.candidates.ranking import Bank, polished
+from fsm_calib.diagnosis.candidates.polish import polished
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.ridge import beyond_the_ridge
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
 from fsm_calib.diagnosis.fitting.values import with_values

@@ -10,7 +10,8 @@ from diagnosis_robots import engine_of, judged, recording
 from scipy.stats import norm
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, polished
+from fsm_calib.diagnosis.candidates.polish import polished
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
 from fsm_calib.diagnosis.proof import gap
 from fsm_calib.diagnosis.proof.form_test import Contest, Remainder, contest

@@ -7,7 +7,8 @@ import pytest
 from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.place_search import placed
-from fsm_calib.diagnosis.candidates.ranking import Bank, polished
+from fsm_calib.diagnosis.candidates.polish import polished
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
 from fsm_calib.diagnosis.fitting.fit import simulate_all
 from fsm_calib.diagnosis.verdict.event_times import dated

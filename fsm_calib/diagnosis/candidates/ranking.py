@@ -15,7 +15,6 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     single_steps,
     slots_of,
 )
-from fsm_calib.diagnosis.candidates.ridge import beyond_the_ridge
 from fsm_calib.diagnosis.candidates.scan import Candidate, Scanner, scan_of
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
@@ -35,8 +34,6 @@ FAR_BELOW = 0.3  # of the evidence that counts: a fit at its parent's noise that
 NEAR_ENOUGH = 40.0  # evidence below the best within which every fit is finished: rivals are told by their gap
 FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are computed again
 WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
-POLISH_ROUNDS = 4  # fits and noise in turn
-POLISHED_ENOUGH = 3.0  # log-likelihood units that another round must have won to be followed by one more
 FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted; a name needs more
 NESTING_SLACK = 1e-6
 
@@ -310,32 +307,6 @@ def _asked_for(effect: Effect, given: set[str]) -> list[Closure]:
     return [c for c, number in zip(effect.competing, differ, strict=True) if number == min(differ)]
 
 
-def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[int]) -> Ranked:
-    """Fit once more with every Jacobian column fresh and all noise levels free, on the highest hill: for the few that
-    matter.
-    """
-    fit = _settled(engine, ranked.fit, noise_names)
-    higher = beyond_the_ridge(engine, fit, ranked.name)
-    if higher is not None:
-        there = engine.fit(higher, fit.slots, fit.noise, steps=LAST_STEPS)
-        fit = max(fit, _settled(engine, there, noise_names), key=lambda found: found.score)
-    fit = engine.fit(fit.values, fit.slots, fit.noise, steps=LAST_STEPS, refresh=True)
-    if fit.score < ranked.fit.score:
-        fit = engine.fit(ranked.fit.values, ranked.fit.slots, ranked.fit.noise, steps=0)
-    return Ranked(ranked.hypothesis, fit, evidence_of(fit, parent, engine.count), fit.score - parent.score)
-
-
-def _settled(engine: Engine, fit: Fit, noise_names: Sequence[int]) -> Fit:
-    """Return a fit and its noise, fitted in turn until neither wins any more."""
-    for _ in range(POLISH_ROUNDS):  # one suffices unless the effect carried the base robot far
-        before = fit.score
-        fit = engine.fit(fit.values, fit.slots, fit.noise, steps=LAST_STEPS)
-        fit = engine.refit_noise(fit, noise_names, 4)
-        if fit.score < before + POLISHED_ENOUGH:
-            break
-    return fit
-
-
 def parameters_of(ranked: Ranked) -> dict[str, FloatArray]:
     """Return the fitted numbers of the effect by parameter name, one a recording, shape (R,)."""
     table = parameter_table()
@@ -343,4 +314,4 @@ def parameters_of(ranked: Ranked) -> dict[str, FloatArray]:
     return {p.name: ranked.fit.values[:, table.place(f"{ranked.name}.{p.name}")] for p in effect.parameters}
 
 
-__all__ = ["ALL_RUNS", "Bank", "Ranked", "evidence_of", "parameters_of", "polished"]
+__all__ = ["ALL_RUNS", "Bank", "Ranked", "evidence_of", "parameters_of"]

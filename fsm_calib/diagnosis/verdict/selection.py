@@ -20,7 +20,8 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.from_the_leader import sought_again
 from fsm_calib.diagnosis.candidates.place_search import placed
-from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct, Ranked, evidence_of, polished
+from fsm_calib.diagnosis.candidates.polish import polished
+from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct, Ranked, evidence_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
