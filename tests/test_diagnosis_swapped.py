@@ -23,5 +23,5 @@ def test_rolling_resistance_takes_the_place_of_a_dragging_caster_beside_it():
     rankings = ((play,), (caster, rolling), (joining,))
     effects, fit = swapped(selector, (play, caster, joining), joining.fit, rankings)
     assert [e.name for e in effects] == ["gear_backlash", "coulomb_friction"]
-    assert effects[1].hypothesis.closure == "rolling"
+    assert effects[1].hypothesis.closure in {"rolling", "each rolls its own"}  # one law, of both or of each
     assert fit.score > joining.fit.score
