@@ -1,8 +1,8 @@
-"""A driver that limits by how much its output changes in a second: acceleration and deceleration limits."""
+"""Drivers that follow late: limits of acceleration and deceleration, and filters of what they are told."""
 
 import numpy as np
 import pytest
-from diagnosis_robots import judged
+from diagnosis_robots import GAIN_LEFT, judged, speeds
 
 from fsm_calib.world2d.effects.motor_asymmetric_lag import ramped
 from fsm_calib.world2d.parameters import parameter_table
@@ -68,3 +68,38 @@ def test_a_limit_of_one_motor_is_found_on_its_side():
     assert [belief.name for belief in decision.named] == ["motor_asymmetric_lag"]
     assert number(decision, "ramp_side") == 1.0
     assert number(decision, "ramp_down") == pytest.approx(0.6, rel=0.05)
+
+
+def test_a_filter_both_ways_makes_a_start_one_of_two_lags():
+    slow, own = 0.2, 0.08
+    grid = np.arange(0.0, 2.0, 0.1)
+    found = speeds(
+        [0.0],
+        [0.4],
+        grid,
+        gain_right=GAIN_LEFT,
+        tau_forward=own,
+        tau_turn=own,
+        motor_asymmetric_lag__rise=slow,
+        motor_asymmetric_lag__fall=slow,
+    )
+    lags = (slow * np.exp(-grid / slow) - own * np.exp(-grid / own)) / (slow - own)
+    assert found == pytest.approx(0.4 * GAIN_LEFT * (1.0 - lags), abs=2e-3)
+
+
+def test_a_filter_both_ways_is_found_by_its_sizes_and_not_taken_for_a_delay():
+    decision = judged(RIVALS, motor_asymmetric_lag__rise=0.25, motor_asymmetric_lag__fall=0.25)
+    assert [belief.name for belief in decision.named] == ["motor_asymmetric_lag"]
+    assert decision.model.effects[0].hypothesis.closure == "slow both ways"
+    turn = float(decision.model.fit.values[0, parameter_table().place("tau_turn")])
+    assert number(decision, "rise") == pytest.approx(number(decision, "fall"), rel=0.05)
+    # lags in a row commute: either may be found as the motor's own
+    assert number(decision, "rise") + turn == pytest.approx(0.25 + 0.15, rel=0.05)
+
+
+def test_a_filter_of_one_motor_is_found_on_its_side():
+    numbers = {f"motor_asymmetric_lag__{name}": value for name, value in (("rise", 0.2), ("ramp_side", -1.0))}
+    decision = judged(RIVALS, **numbers)
+    assert [belief.name for belief in decision.named] == ["motor_asymmetric_lag"]
+    assert number(decision, "ramp_side") == -1.0
+    assert number(decision, "rise") == pytest.approx(0.2, rel=0.05)

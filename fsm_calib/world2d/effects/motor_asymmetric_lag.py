@@ -7,11 +7,12 @@ r"""Slowing down takes another time than speeding up.
 F [N] at the rim, D [N s/m], T no-load and w actual rim speed [m/s]; ratio [1] = time constant of slowing down
 over that of speeding up: above 1 for a driver that lets the motor coast, below 1 for one that shorts it. It may
 be one motor's alone (r_l, r_r). The change is spread over 1 cm/s around standstill and no-load. A driver may instead
-let its output follow the command with a time constant upwards (rise [s]) or downwards (fall [s]): then the motor's
-own lag comes on top. Or it limits by how much the output may change in a second: ramp [s2/m] is the time for each
-m/s, of both motors or of the one that ramp_side tells. Sources: H-bridge decay modes, e.g. TI DRV8833 data sheet,
-section 7.3.2; acceleration and deceleration ramps, e.g. Roboteq Controllers User Manual v2.1, "Acceleration and
-Deceleration".
+let its output follow the command with a time constant upwards (rise [s]), downwards (fall [s]) or both ways (a filter
+of set points): then the motor's own lag comes on top. Or it limits by how much the output may change in a second:
+ramp [s2/m] is the time for each m/s. Either is of both motors or of the one that ramp_side tells. Sources: H-bridge
+decay modes, e.g. TI DRV8833 data sheet, section 7.3.2; acceleration and deceleration ramps, e.g. Roboteq Controllers
+User Manual v2.1, "Acceleration and Deceleration"; a first-order filter of set points, Astrom & Hagglund, Advanced PID
+Control, 2006, section 5.3.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ from fsm_calib.world2d.effects.effect import LEAST_DELAY, Closure, Effect, Param
 from fsm_calib.world2d.effects.wheels import of_each_wheel
 from fsm_calib.world2d.slots import DRIVE, RIM, STEP, TARGET
 
-UNLIMITED = {"ramp_side": 0.0}
-"""Where no output is limited the side is told by nothing."""
+OF_BOTH = {"ramp_side": 0.0}
+"""Where no driver is slow the side is told by nothing."""
 LEAST_RAMP = 0.05
 """Time for each m/s [s2/m]: at a small robot's 0.4 m/s no more than the base's lag is off by."""
 SOFT = 0.01
@@ -85,7 +86,9 @@ def brake(P, o, S, m, W):
     limited = P[o + 5] > 0.0 or P[o + 6] > 0.0
     for side in range(2):
         before, wanted = S[m + side], W[TARGET + side]
-        if limited and P[o + 7] * (2 * side - 1) >= 0.0:
+        if P[o + 7] * (2 * side - 1) < 0.0:
+            S[m + side] = wanted
+        elif limited:
             W[TARGET + side], S[m + side] = ramped(before, wanted, P[o + 5], P[o + 6], W[STEP])
         else:
             W[TARGET + side], S[m + side] = follow(before, wanted, P[o + 3], P[o + 4], W[STEP])
@@ -161,34 +164,38 @@ EFFECT = Effect(
     source="TI DRV8833 data sheet, decay modes",
     input="command",
     closures=(
-        Closure("both alike", ("ratio",), "the same in both motors", fixes=UNLIMITED),
+        Closure("both alike", ("ratio",), "the same in both motors", fixes=OF_BOTH),
         Closure(
             "left wheel",
             ("ratio_left",),
             "of the left motor alone",
             sentence="The left motor takes {ratio_left} times as long to slow down as to speed up.",
-            fixes=UNLIMITED,
+            fixes=OF_BOTH,
         ),
         Closure(
             "right wheel",
             ("ratio_right",),
             "of the right motor alone",
             sentence="The right motor takes {ratio_right} times as long to slow down as to speed up.",
-            fixes=UNLIMITED,
+            fixes=OF_BOTH,
         ),
         Closure(
             "slow to rise",
             ("rise",),
             "the driver follows a growing command late, a shrinking one at once",
             sentence="The drivers follow a growing command with a time constant of {rise}, a shrinking one at once.",
-            fixes=UNLIMITED,
         ),
         Closure(
             "slow to fall",
             ("fall",),
             "the driver follows a shrinking command late, a growing one at once",
             sentence="The drivers follow a shrinking command with a time constant of {fall}, a growing one at once.",
-            fixes=UNLIMITED,
+        ),
+        Closure(
+            "slow both ways",
+            ("rise", "fall"),
+            "the driver's set points pass a filter",
+            sentence="The drivers follow a growing command with a time constant of {rise}, a shrinking one of {fall}.",
         ),
         Closure(
             "limited up",
