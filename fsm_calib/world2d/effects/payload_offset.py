@@ -35,14 +35,14 @@ EFFECT = Effect(
             "c_x",
             "m",
             0.0,
-            -0.08,
-            0.08,
+            -0.1,
+            0.1,
             -0.015,
             "0.3 kg 5 cm off the centre: 1 cm",
             starts=(0.015, -0.015),
         ),
         Parameter(
-            "y", "c_y", "m", 0.0, -0.04, 0.04, 0.01, "0.3 kg 5 cm off the centre: 1 cm", mirror="negate"
+            "y", "c_y", "m", 0.0, -0.06, 0.06, 0.01, "0.3 kg 5 cm off the centre: 1 cm", mirror="negate"
         ),
         Parameter("mass", "dm", "kg", 0.0, 0.0, 5.0, 0.0, "up to the robot's own", fitted=False),
     ),
