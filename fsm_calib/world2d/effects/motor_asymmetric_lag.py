@@ -21,12 +21,14 @@ import math
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import LEAST_DELAY, Closure, Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.wheels import of_each_wheel
 from fsm_calib.world2d.slots import DRIVE, RIM, STEP, TARGET
 
 OF_BOTH = {"ramp_side": 0.0}
 """Where no driver is slow the side is told by nothing."""
+LEAST_LAG = 0.02
+"""Time constant [s]: two motors' own, of 0.1 to 0.4 s, differ by as much (5 %) where no driver is slow."""
 LEAST_RAMP = 0.05
 """Time for each m/s [s2/m]: at a small robot's 0.4 m/s no more than the base's lag is off by."""
 SOFT = 0.01
@@ -99,9 +101,9 @@ def brake(P, o, S, m, W):
 
 
 def _ramp(name: str, symbol: str) -> Parameter:
-    """Return a time constant of the drivers; below `LEAST_DELAY` it is no more than the base's lag is off by."""
+    """Return a time constant of the drivers; below `LEAST_LAG` it is how one motor differs from the other."""
     return Parameter(
-        name, symbol, "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2), least=LEAST_DELAY
+        name, symbol, "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2), least=LEAST_LAG
     )  # fmt: skip
 
 
