@@ -6,7 +6,7 @@ from diagnosis_robots import recording
 
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.effects.floor_tilt import is_central
+from fsm_calib.world2d.effects.floor_tilt import is_central, is_taut
 from fsm_calib.world2d.parameters import parameters
 from fsm_calib.world2d.rollout import Drive, simulate
 
@@ -57,3 +57,43 @@ def test_a_hollow_alike_on_all_sides_may_be_a_taut_cable_and_has_no_name():
 )
 def test_only_what_falls_alike_on_all_sides_is_what_a_spring_does(curve_x, curve_y, twist, is_told):
     assert is_central({"curve_x": curve_x, "curve_y": curve_y, "twist": twist}) is not is_told
+
+
+def taut(at, slack, grown):
+    """Return the numbers of a cable that is fixed at a place (2,), by differences of its pull about the origin."""
+
+    def slope(x, y):
+        away = np.array([x, y]) - at
+        far = np.hypot(*away)
+        return grown * max(far - slack, 0.0) * away / far
+
+    step = 1e-4
+    here, along_x, along_y = slope(0.0, 0.0), slope(step, 0.0), slope(0.0, step)
+    curves = (along_x - here) / step, (along_y - here) / step
+    return {
+        "slope_x": here[0],
+        "slope_y": here[1],
+        "curve_x": curves[0][0],
+        "curve_y": curves[1][1],
+        "twist": curves[0][1],
+    }
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.5])
+def test_what_a_taut_cable_does_has_no_name(angle):
+    fixed = 2.0 * np.array([np.cos(angle), np.sin(angle)])
+    assert is_taut(taut(fixed, 1.2, 0.02))
+
+
+@pytest.mark.parametrize(
+    ("slopes", "curves"),
+    [
+        ((0.0, 0.02), (0.03, 0.0, 0.0)),  # a gutter that falls along itself
+        ((0.005, 0.0), (0.03, 0.0, 0.0)),  # one whose bottom is under the robot
+        ((0.02, 0.0), (-0.03, 0.0, 0.0)),  # a slope that ends
+        ((0.02, 0.0), (0.0, 0.0, 0.02)),  # a saddle
+    ],
+)
+def test_other_floors_are_no_taut_cable(slopes, curves):
+    names = ("slope_x", "slope_y", "curve_x", "curve_y", "twist")
+    assert not is_taut(dict(zip(names, (*slopes, *curves), strict=True)))
