@@ -350,7 +350,7 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     return judge()._answer()
 
 
-@pytest.mark.parametrize("evidence", [None, DEFAULT_GATES.detect - 0.1])
+@pytest.mark.parametrize("evidence", [None, DEFAULT_GATES.first - 0.1])
 def test_without_a_detected_effect_there_is_no_name(
     monkeypatch: pytest.MonkeyPatch, evidence: float | None
 ) -> None:
@@ -358,13 +358,13 @@ def test_without_a_detected_effect_there_is_no_name(
 
 
 def test_a_detected_effect_that_no_name_is_sure_for_is_unexplained(monkeypatch: pytest.MonkeyPatch) -> None:
-    decision = searched(monkeypatch, DEFAULT_GATES.detect, 0.5, 0.3)
+    decision = searched(monkeypatch, DEFAULT_GATES.first, 0.5, 0.3)
     assert (decision.outcome, decision.named) == ("unexplained", ())
     assert decision.reason.startswith("nearest: effect0")
 
 
 def test_a_sure_strongest_name_explains_with_its_place_and_moment(monkeypatch: pytest.MonkeyPatch) -> None:
-    decision = searched(monkeypatch, DEFAULT_GATES.detect, DEFAULT_GATES.least_confidence, 0.3)
+    decision = searched(monkeypatch, DEFAULT_GATES.first, DEFAULT_GATES.least_confidence, 0.3)
     assert (decision.outcome, decision.reason) == ("explained", "detected, adequate and useful")
     assert [belief.name for belief in decision.named] == ["effect0"]
     assert decision.model.fit == ("placed", "dated")
@@ -373,14 +373,14 @@ def test_a_sure_strongest_name_explains_with_its_place_and_moment(monkeypatch: p
 def test_a_sure_weaker_name_explains_a_part_and_the_stronger_is_complained_of(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    decision = searched(monkeypatch, DEFAULT_GATES.detect, 0.5, 0.9)
+    decision = searched(monkeypatch, DEFAULT_GATES.first, 0.5, 0.9)
     assert decision.reason.startswith("effect1 for a part of it; nearest: effect0")
 
 
 def test_each_long_part_of_an_answer_is_told_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
     weigh, told = Judge._weighed, []
     searched(monkeypatch, None)
-    ranking = [SimpleNamespace(evidence=DEFAULT_GATES.detect)]
+    ranking = [SimpleNamespace(evidence=DEFAULT_GATES.first)]
     fit, weighed = SimpleNamespace(values=()), support()
     grown = SimpleNamespace(fit=fit, effects=(weighed.effect,))
     selector = SimpleNamespace(

@@ -11,7 +11,7 @@ from fsm_calib.world2d.effects import registry
 
 @pytest.fixture(scope="module")
 def sizes():
-    return smallest_sizes(judged(["motor_deadband"]), DEFAULT_GATES.detect)
+    return smallest_sizes(judged(["motor_deadband"]), DEFAULT_GATES.first)
 
 
 @pytest.mark.parametrize("name", ["motor_reverse_asymmetry", "motor_deadband", "tyre_scrub"])

@@ -125,7 +125,7 @@ class Judge:
             selector, bank, ranking = ranked_if_unlike(selector, bank, ranking)
         selection: Selection | None = None
         with self.part("further effects"):
-            if ranking and ranking[0].evidence >= gates.detect:
+            if ranking and ranking[0].evidence >= gates.first:
                 selector, selection = likelier_if_punctual(selector, selector.best_grown(ranking))
             selection = likelier_if_recalled(selector, self.earlier, ranking, selection)
         if selection is None:

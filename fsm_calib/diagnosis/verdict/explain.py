@@ -226,6 +226,6 @@ def _regime(decision: Decision) -> str:
 
 
 def _smallest(decision: Decision, gates: Gates) -> dict[str, Estimate]:
-    sizes = smallest_sizes(decision, gates.detect)
+    sizes = smallest_sizes(decision, gates.first)
     told = {f"{name}.{p}": Estimate(size, math.nan, unit) for name, (p, size, unit) in sizes.items()}
     return weighed(told, weight_of(decision.engine.simulators))
