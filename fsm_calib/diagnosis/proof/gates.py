@@ -34,7 +34,7 @@ class Gates:
     def first(self) -> float:
         """Evidence that the first effect needs over the base robot: twice `detect`.
 
-        Of 72 clean robots of another generator two have more than 14 by one of some hundred closures (19 and 22), while
+        Of 62 clean robots of another generator two have more than 14 by one of some hundred closures (19 and 22), while
         effects of 1.1 to 1.5 times the floor have 270 to 5,000.
         """
         return 2.0 * self.detect
