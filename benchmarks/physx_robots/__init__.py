@@ -1,0 +1,1 @@
+"""A sealed benchmark of robots in PhysX, written from textbooks and data sheets, blind to the program under test."""
