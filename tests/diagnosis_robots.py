@@ -100,6 +100,10 @@ def selector_on(base, engine, *names):
 
 def judged(names, gates=DEFAULT_GATES, **changes):
     """Return what is decided of two drives of a `robot` with `changes` by a catalogue of `names`."""
-    simulators = engine_of(*(recording(seed, **changes) for seed in (0, 1))).simulators
+    return decided([recording(seed, **changes) for seed in (0, 1)], names, gates)
+
+
+def decided(recordings, names, gates=DEFAULT_GATES):
+    """Return what is decided of some recordings by a catalogue of `names`."""
     effects = [registry()[name] for name in names]
-    return Judge(Engine(simulators), effects, gates, lambda part: None, np.random.default_rng(0)).decide()
+    return Judge(engine_of(*recordings), effects, gates, lambda part: None, np.random.default_rng(0)).decide()

@@ -4,14 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
-
-from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.replay.simulator import make_simulator
-from fsm_calib.diagnosis.verdict.decide import Judge
-from fsm_calib.world2d.effects import registry
+from diagnosis_robots import decided, recording
 
 RATE = 30.0  # Hz
 AT = 14.0  # s, of the jump and of the push
@@ -26,22 +19,18 @@ def jumped(seen):
     return replace(seen, pose=moved)
 
 
-def decided(first):
-    simulators = tuple(make_simulator(prepare(r)) for r in (first, recording(1, rate=RATE)))
-    effects = [registry()[name] for name in ("external_push", "floor_tilt", "payload_offset")]
-    return Judge(
-        Engine(simulators), effects, DEFAULT_GATES, lambda part: None, np.random.default_rng(0)
-    ).decide()
+def decided_with(first):
+    return decided([first, recording(1, rate=RATE)], ("external_push", "floor_tilt", "payload_offset"))
 
 
 @pytest.fixture(scope="module")
 def of_a_jump():
-    return decided(jumped(recording(0, rate=RATE)))
+    return decided_with(jumped(recording(0, rate=RATE)))
 
 
 @pytest.fixture(scope="module")
 def of_a_push():
-    return decided(recording(0, rate=RATE, **PUSH))
+    return decided_with(recording(0, rate=RATE, **PUSH))
 
 
 def test_poses_that_jump_are_not_called_a_push(of_a_jump):
@@ -62,5 +51,5 @@ def test_a_jump_explains_what_jumped_better_than_a_push_and_a_push_worse(of_a_ju
 
 
 def test_only_a_moment_is_held_against_jumps():
-    decision = decided(recording(0, rate=RATE, floor_tilt__slope_x=0.05))
+    decision = decided_with(recording(0, rate=RATE, floor_tilt__slope_x=0.05))
     assert {s.name: s.forms.jump for s in decision.model.supports} == {"floor_tilt": -np.inf}

@@ -2,13 +2,8 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from diagnosis_robots import engine_of, fitted_number, recording
-
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
-from fsm_calib.diagnosis.verdict.decide import Judge
-from fsm_calib.world2d.effects import registry
+from diagnosis_robots import decided, fitted_number, recording
 
 AXLE = 0.25  # m
 LOAD = {"payload_offset__x": 0.03, "payload_offset__y": 0.045}
@@ -21,9 +16,7 @@ def wide(seed):
 
 
 def test_a_load_of_the_robots_own_mass_over_one_wheel_is_found_where_it_is():
-    effects = [registry()[name] for name in ("payload_offset", "motor_deadband", "lateral_slip")]
-    engine = engine_of(wide(0), wide(1))
-    decision = Judge(engine, effects, DEFAULT_GATES, lambda part: None, np.random.default_rng(0)).decide()
+    decision = decided([wide(0), wide(1)], ("payload_offset", "motor_deadband", "lateral_slip"))
     assert [belief.name for belief in decision.named] == ["payload_offset"]
     for name, true in LOAD.items():
         assert fitted_number(decision.model.fit, name) == pytest.approx(true, abs=0.002)

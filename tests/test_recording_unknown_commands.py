@@ -4,17 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, recording
+from diagnosis_robots import decided, recording
 from wild_bags import BagWriter
 
 from fsm_calib.diagnosis.identify.identify import identify
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.verdict.decide import Judge
 from fsm_calib.recording import CommandTrack, PoseTrack, Recording, read_recording
 from fsm_calib.recording.unknown_commands import lost_before, unknown_spans
 from fsm_calib.recording.writers import write_bag, write_recording
-from fsm_calib.world2d.effects import registry
 
 TIME = np.arange(0.0, 20.0, 0.05)
 GAIN, AXLE = 0.6, 0.1  # m/s at command 1, m
@@ -175,7 +172,5 @@ def test_a_clean_robot_whose_log_begins_in_mid_drive_is_not_said_to_be_pushed():
     keep, told = drive.pose.time > 9.0, drive.command.time > 9.0
     begun = dataclasses.replace(drive, pose=drive.pose.rows(keep), command=drive.command.rows(told))
     assert drive.command.time[told][0] > 9.3  # what it is doing meanwhile nobody knows
-    effects = [registry()[name] for name in ("external_push", "motor_fault", "payload_offset")]
-    engine = engine_of(begun)
-    decision = Judge(engine, effects, DEFAULT_GATES, lambda part: None, np.random.default_rng(0)).decide()
+    decision = decided([begun], ("external_push", "motor_fault", "payload_offset"))
     assert decision.outcome == "match"

@@ -11,7 +11,6 @@ from benchmarks.physx_robots.robots import Rng, Robot, change_motors
 from benchmarks.physx_robots.simulate import State
 
 Sides = tuple[float, float]
-SIGNED = math.copysign
 
 
 class Mapped(Process):
@@ -78,7 +77,7 @@ class BridgeDrop(StaticMap):
 
     def map(self, u: float) -> float:
         """Return what is left of the duty."""
-        return SIGNED(max(abs(u) - self.drop, 0.0), u)
+        return math.copysign(max(abs(u) - self.drop, 0.0), u)
 
 
 @register
@@ -144,7 +143,7 @@ class SoftKnee(StaticMap):
         """Return the command below a smooth ceiling."""
         over = (abs(u) - (1.0 - self.cut)) / self.width
         soft = self.width * math.log1p(math.exp(over)) if over < 30 else self.width * over
-        return SIGNED(max(abs(u) - soft, 0.0), u) if u else 0.0
+        return math.copysign(max(abs(u) - soft, 0.0), u) if u else 0.0
 
 
 @register
@@ -185,7 +184,7 @@ class Expo(StaticMap):
 
     def map(self, u: float) -> float:
         """Return the bent command."""
-        return SIGNED(abs(u) ** (1.0 + self.bend if self.bend > 0 else 1.0 / (1.0 - self.bend)), u)
+        return math.copysign(abs(u) ** (1.0 + self.bend if self.bend > 0 else 1.0 / (1.0 - self.bend)), u)
 
 
 @register
@@ -214,7 +213,7 @@ class Table(StaticMap):
         place = min(abs(u), 1.0) * 4.0
         i = min(int(place), 3)
         ends = [0.0, *knots, 1.0]
-        return SIGNED(ends[i] + (place - i) * (ends[i + 1] - ends[i]), u)
+        return math.copysign(ends[i] + (place - i) * (ends[i + 1] - ends[i]), u)
 
 
 @register

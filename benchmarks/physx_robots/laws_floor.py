@@ -48,8 +48,7 @@ class Downhill(Process):
         across = (state.x - law.at[0]) * law.down[0] + (state.y - law.at[1]) * law.down[1]
         slope = law.tilt_rad * (1.0 - 0.5 * math.tanh(across / law.length_m))
         pull = state.robot.total_mass * GRAVITY * slope
-        state.fx += pull * law.down[0]
-        state.fy += pull * law.down[1]
+        state.push(pull * law.down[0], pull * law.down[1])
         ahead, left, _ = state.robot.centre
         cos, sin = math.cos(state.yaw), math.sin(state.yaw)
         state.moment += pull * (
@@ -152,8 +151,7 @@ class Leaning(Process):
         """Add the pull, full above a few cm/s."""
         pull = self.law.pull * state.robot.total_mass * GRAVITY
         pull *= math.tanh((abs(state.rate[0]) + abs(state.rate[1])) * state.robot.radius / 0.06)
-        state.fx += pull * self.law.nap[0]
-        state.fy += pull * self.law.nap[1]
+        state.push(pull * self.law.nap[0], pull * self.law.nap[1])
 
 
 @register

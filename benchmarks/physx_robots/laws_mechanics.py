@@ -23,6 +23,11 @@ def _tyre(robot: Robot, **changes: float) -> Robot:
     return replace(robot, tyre=tyre)
 
 
+def _caster_load(robot: Robot) -> float:
+    """Return what the first caster carries [N]."""
+    return float(robot.mass * GRAVITY * robot.centre[0] / robot.casters[0].x)
+
+
 def _casters(robot: Robot, change: Callable[[Caster], Caster]) -> Robot:
     return replace(robot, casters=tuple(change(c) for c in robot.casters))
 
@@ -218,8 +223,7 @@ class StiffSwivel(Law):
     @classmethod
     def draw(cls, rng: Rng, robot: Robot) -> Self:
         """Draw the torque [N m] for a share of 1 from the caster's load."""
-        load = robot.mass * GRAVITY * robot.centre[0] / robot.casters[0].x
-        return cls(log_uniform(rng, 0.15, 0.6), float(load * robot.casters[0].trail))
+        return cls(log_uniform(rng, 0.15, 0.6), _caster_load(robot) * robot.casters[0].trail)
 
     def build(self, robot: Robot) -> Robot:
         """Return the robot with the stiff fork."""
@@ -245,8 +249,7 @@ class DryAxle(Law):
     @classmethod
     def draw(cls, rng: Rng, robot: Robot) -> Self:
         """Draw the torque [N m] for a share of 1 from the caster's load."""
-        load = robot.mass * GRAVITY * robot.centre[0] / robot.casters[0].x
-        return cls(log_uniform(rng, 0.1, 0.5), float(load * robot.casters[0].radius))
+        return cls(log_uniform(rng, 0.1, 0.5), _caster_load(robot) * robot.casters[0].radius)
 
     def build(self, robot: Robot) -> Robot:
         """Return the robot with the dragging wheel."""

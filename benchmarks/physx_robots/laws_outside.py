@@ -31,10 +31,7 @@ class Cable(Process):
         if apart <= law.slack_m:
             return
         pull = law.pull * state.robot.total_mass * GRAVITY * min((apart - law.slack_m) / 0.1, 1.0)
-        fx, fy = pull * dx / apart, pull * dy / apart
-        state.fx += fx
-        state.fy += fy
-        state.moment += rx * fy - ry * fx
+        state.push(pull * dx / apart, pull * dy / apart, rx, ry)
 
 
 @register
@@ -70,8 +67,7 @@ class Gust(Process):
         law = self.law
         sweep = math.exp(4.0 * (math.cos(2.0 * math.pi * state.t / law.period_s + self.phase) - 1.0))
         size = law.force * state.robot.total_mass * GRAVITY * sweep
-        state.fx += size * law.towards[0]
-        state.fy += size * law.towards[1]
+        state.push(size * law.towards[0], size * law.towards[1])
 
 
 @register
@@ -115,8 +111,7 @@ class Tank(Process):
             self.speed[i] -= step * spring
             self.at[i] += step * (self.speed[i] - speed)
             pulls.append(mass * spring)
-        state.fx += pulls[0]
-        state.fy += pulls[1]
+        state.push(*pulls)
 
 
 @register

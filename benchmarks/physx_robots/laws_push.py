@@ -30,12 +30,9 @@ class Pushed(Process):
                 size = (
                     self.law.force * robot.total_mass * GRAVITY * self.law.shape((state.t - start) / length)
                 )
-                fx, fy = size * math.cos(angle), size * math.sin(angle)
                 arm = 0.5 * robot.axle
                 dx, dy = arm * math.cos(state.yaw + place), arm * math.sin(state.yaw + place)
-                state.fx += fx
-                state.fy += fy
-                state.moment += dx * fy - dy * fx
+                state.push(size * math.cos(angle), size * math.sin(angle), dx, dy)
 
 
 @dataclass(frozen=True)

@@ -42,6 +42,12 @@ class State:
         self.dry, self.viscous = [0.0, 0.0], [0.0, 0.0]
         self.rolling = [self.robot.rolling, self.robot.rolling]
 
+    def push(self, fx: float, fy: float, rx: float = 0.0, ry: float = 0.0) -> None:
+        """Add a force [N] of the world that acts (rx, ry) [m] of the world from the axle's middle."""
+        self.fx += fx
+        self.fy += fy
+        self.moment += rx * fy - ry * fx
+
     @property
     def forward(self) -> float:
         """Speed ahead [m/s]."""
