@@ -328,6 +328,7 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
         base=SimpleNamespace(values=()),
         first_ranked=lambda: ("bank", ranking),
         best_grown=lambda ranking: "grown",
+        spared=lambda selection: selection,
     )
     beliefs = tuple(
         Belief(SimpleNamespace(name=f"effect{i}"), p, (f"effect{i}",)) for i, p in enumerate(probabilities)
@@ -387,6 +388,7 @@ def test_each_long_part_of_an_answer_is_told_before_it_begins(monkeypatch: pytes
         base=SimpleNamespace(values=()),
         first_ranked=lambda: ("bank", ranking),
         best_grown=lambda ranking: grown,
+        spared=lambda selection: selection,
     )
     monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)
     monkeypatch.setattr(Judge, "_weighed", weigh)

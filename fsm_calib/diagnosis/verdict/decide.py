@@ -128,6 +128,7 @@ class Judge:
             if ranking and ranking[0].evidence >= gates.first:
                 selector, selection = likelier_if_punctual(selector, selector.best_grown(ranking))
             selection = likelier_if_recalled(selector, self.earlier, ranking, selection)
+            selection = selection and selector.spared(selection)
         if selection is None:
             return self._without_name(selector.base, tuple(ranking), location, bank)
         found = (selector.base, tuple(ranking), location, bank)

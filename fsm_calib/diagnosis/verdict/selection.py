@@ -29,6 +29,7 @@ from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.fitting.wald import strengths_of, wald
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_crossed, is_plausible, stands_out
+from fsm_calib.diagnosis.verdict.spared import spared
 from fsm_calib.diagnosis.verdict.swapped import swapped
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
 from fsm_calib.world2d.effects import Effect, registry
@@ -291,6 +292,16 @@ class Selector:
     def weighed(self, selection: Selection, wanted: float) -> Selection:
         """Return the selection with each effect taken out in turn, all others re-fitted."""
         return self._pruned(selection.effects, selection.fit, selection.rankings, wanted)
+
+    def spared(self, selection: Selection) -> Selection:
+        """Return the selection without effects that a neighbour does without by another of its equations."""
+        while len(selection.effects) > 1:
+            wanted = self._wanted(selection)
+            effects, fit = spared(self, selection.effects, selection.fit, selection.dropped, wanted)
+            if fit is selection.fit:
+                break
+            selection = self._pruned(effects, fit, selection.rankings, wanted)
+        return selection
 
     def without(self, fit: Fit, name: str) -> Fit:
         """Return the fit without one of its effects, everything else and the noise fitted again from where it was.
