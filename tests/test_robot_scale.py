@@ -92,6 +92,12 @@ def test_large_wheels_hold_the_same_share_of_the_mass_at_their_rims(drive):
     assert at_rim[0] == pytest.approx(at_rim[1])
 
 
+def test_wheels_smaller_than_a_duckiebots_hold_its_share_of_the_mass_at_their_rims(drive):
+    place = parameter_table().place("wheel_inertia")
+    small = nominal_values([simulator_of(drive, dataclasses.replace(DUCKIEBOT, wheel_radius=0.02))])
+    assert small[place] / 0.02**2 == pytest.approx(declared("wheel_inertia").null / 0.0318**2)
+
+
 def test_a_stated_inertia_says_how_much_longer_turning_lasts(drive):
     simulator = simulator_of(drive, HALF_TONNE)
     values = nominal_values([simulator])

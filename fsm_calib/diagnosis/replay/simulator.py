@@ -258,6 +258,16 @@ def drive_of(recording: Recording, full: float) -> tuple[Drive, bool]:
     )
 
 
+def rotor_scale(radius: float) -> float:
+    """Return by how much [1] the wheels' rotating inertia differs from a Duckiebot's on wheels of `radius` [m].
+
+    Its share of the robot's mass at the rims, inertia / radius^2, falls from smaller wheels to larger ones up to
+    `SMALL_RADIUS` and is the same beyond; below a Duckiebot's wheels it is a Duckiebot's, half of the robot's mass at
+    both rims: a smaller robot's motor is geared for its own mass.
+    """
+    return min(1.0, radius / NOMINAL_RADIUS) ** 2 * max(1.0, radius / SMALL_RADIUS) ** 2
+
+
 def nominal_values(simulators: Sequence[Simulator]) -> FloatArray:
     """Return the parameter vector of the robot as its manifest states it, with the effects that its world has."""
     table = parameter_table()
@@ -270,9 +280,7 @@ def nominal_values(simulators: Sequence[Simulator]) -> FloatArray:
         values[table.place(f"gain_{side}")] = simulators[0].full_speed
         values[table.place(f"wheel_radius_{side}")] = robot.wheel_radius or NOMINAL_RADIUS
     values[table.place("axle_length")] = axle
-    values[table.place("wheel_inertia")] *= (
-        max(1.0, (robot.wheel_radius or NOMINAL_RADIUS) / SMALL_RADIUS) ** 2
-    )
+    values[table.place("wheel_inertia")] *= rotor_scale(robot.wheel_radius or NOMINAL_RADIUS)
     if simulators[0].measured_input:
         values[table.place("tau_forward")] = LOWEST_INPUT_LAG
         values[table.place("tau_turn")] = LOWEST_INPUT_LAG
