@@ -109,6 +109,19 @@ def test_headings_that_alone_are_wrong_in_a_place_are_found_and_told_from_a_turn
     assert np.hypot(found["x"] - MARKER["x"], found["y"] - MARKER["y"]) < 0.03
 
 
+def test_a_marker_whose_error_fades_towards_the_next_ones_is_blended():
+    blended = {**MARKER, "shift_x": 0.03, "shift_y": -0.02, "radius": 0.3, "fade": 0.12}
+    numbers = {f"misplaced_marker__{name}": value for name, value in blended.items()}
+    (ranked,) = bank_of(*(recording(seed, **numbers) for seed in (0, 1))).rank(
+        [registry()["misplaced_marker"]]
+    )
+    assert ranked.hypothesis.closure == "blended"
+    found = dict(zip(ranked.hypothesis.names, ranked.fit.slot_values()[-7:], strict=True))
+    assert found["fade"] == pytest.approx(0.12, abs=0.03)
+    assert found["turn"] == pytest.approx(0.12, rel=0.15)
+    assert found["shift_x"] == pytest.approx(0.03, abs=0.008)
+
+
 def test_headings_that_are_wrong_over_a_metre_and_more_are_found_by_the_edge_of_that_floor():
     far = {"turn": 0.06, "x": 0.3, "y": 0.5, "radius": 0.7}
     numbers = {f"misplaced_marker__{name}": value for name, value in far.items()}

@@ -5,10 +5,11 @@ r"""One marker on the floor is not where the map says: poses measured by it are 
     T: turn of the heading alone                   rigid = 0
 
 (x_m, y_m) [m] the marker, radius [m] within which it is the one that is seen, turn [rad] and shift [m] its
-error in the map. The robot does not feel it: the pose jumps on the way in and back on the way out. Headings alone are
-wrong where a place is told by other marks, or by a compass near iron. Sources: map errors of tag localisation, e.g.
-Olson, ICRA 2011 (AprilTag), section V; Angermann, Frassl, Doniec, Julian & Robertson, Characterization of the indoor
-magnetic field, IPIN 2012.
+error in the map. The robot does not feel it: the pose jumps on the way in and back on the way out, or slides over a
+band of `fade` [m] to both sides where a place is told by several markers at once. Headings alone are wrong where a
+place is told by other marks, or by a compass near iron. Sources: map errors of tag localisation, e.g. Olson, ICRA
+2011 (AprilTag), section V; Angermann, Frassl, Doniec, Julian & Robertson, Characterization of the indoor magnetic
+field, IPIN 2012.
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ def displace(p: FloatArray, poses: FloatArray, places: FloatArray) -> FloatArray
     """Return the poses as measured by the misplaced marker where it is seen, shape (n, 3); `places`, shape
     (n, 2), say where.
     """
-    turn, shift_x, shift_y, x, y, radius, rigid = p
+    turn, shift_x, shift_y, x, y, radius, rigid, fade = p
     dx, dy = places[:, 0] - x, places[:, 1] - y
-    s = np.clip(0.5 + 0.5 * (radius - np.hypot(dx, dy)) / EDGE, 0.0, 1.0)
+    s = np.clip(0.5 + 0.5 * (radius - np.hypot(dx, dy)) / (EDGE + fade), 0.0, 1.0)
     inside = s * s * (3.0 - 2.0 * s)
     wrong = poses.copy()
     wrong[:, 0] += inside * (rigid * ((np.cos(turn) - 1.0) * dx - np.sin(turn) * dy) + shift_x)
@@ -71,6 +72,19 @@ EFFECT = Effect(
             strength=False,
             fitted=False,
         ),
+        Parameter(
+            "fade",
+            "d_m",
+            "m",
+            0.0,
+            0.0,
+            0.6,
+            0.0,
+            "half the band over which a view passes from one marker to the next: a fifth of their pitch",
+            strength=False,
+            step=6e-3,
+            starts=(0.08,),
+        ),
     ),
     hooks={"observe": displace},
     channels=("sensor",),
@@ -87,6 +101,12 @@ EFFECT = Effect(
             "turned and shifted",
             ("turn", "shift_x", "shift_y", "x", "y", "radius"),
             "turned and shifted",
+            fixes={"rigid": 1.0},
+        ),
+        Closure(
+            "blended",
+            ("turn", "shift_x", "shift_y", "x", "y", "radius", "fade"),
+            "turned and shifted; several markers are averaged, so that its error fades",
             fixes={"rigid": 1.0},
         ),
         Closure(
