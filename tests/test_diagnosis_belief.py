@@ -340,7 +340,7 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     monkeypatch.setattr(decide, "locate", lambda *given: SimpleNamespace(p_value=1.0))
     monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)
     monkeypatch.setattr(decide, "ranked_if_punctual", lambda *given: given)
-    monkeypatch.setattr(decide, "ranked_if_unlike", lambda *given: given)
+    monkeypatch.setattr(decide, "ranked_if_bared", lambda *given: given)
     monkeypatch.setattr(decide, "likelier_if_punctual", lambda *given: given)
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
     monkeypatch.setattr(Judge, "_weighed", lambda self, selection: model)

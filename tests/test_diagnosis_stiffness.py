@@ -10,7 +10,7 @@ from fsm_calib.diagnosis.candidates.free_number import found_free, unless_stood_
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, is_free, stiffness_told, with_stiffness
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import fit_base, slot_of
-from fsm_calib.diagnosis.verdict.unlike import ranked_if_unlike
+from fsm_calib.diagnosis.verdict.bared import ranked_if_bared
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
 from fsm_calib.world2d.parameters import parameter_table, parameters
@@ -94,7 +94,7 @@ def ranked(engine, *names):
 
 def test_unlike_motors_beside_the_first_effect_are_the_base_of_all():
     given = ranked(engine_with(**UNLIKE, motor_deadband__offset=0.06), "motor_deadband", "payload_offset")
-    selector, _, ranking = ranked_if_unlike(*given)
+    selector, _, ranking = ranked_if_bared(*given)
     assert given[2][0].name == ranking[0].name == "motor_deadband"
     assert is_free(selector.base)
     assert stiffness_of(ranking[0].fit)[0] == pytest.approx(0.06, abs=0.02)
@@ -102,7 +102,7 @@ def test_unlike_motors_beside_the_first_effect_are_the_base_of_all():
 
 def test_like_motors_beside_the_first_effect_change_nothing():
     given = ranked(engine_with(motor_deadband__offset=0.06), "motor_deadband", "payload_offset")
-    assert ranked_if_unlike(*given) == given
+    assert ranked_if_bared(*given) == given
 
 
 @pytest.mark.parametrize("as_good", [True, False])

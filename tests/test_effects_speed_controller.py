@@ -5,16 +5,19 @@ from functools import partial
 import diagnosis_robots
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, judged, recording
+from diagnosis_robots import engine_of, judged, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.speed_loop import HOLD, WEIGHT
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.diagnose import diagnose
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.verdict.bared import ranked_if_bared
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 RIVALS = ("coulomb_friction", "motor_asymmetric_lag", "command_delay", "motor_deadband", "battery_sag")
 GAIN, LAG = 0.6, 0.1
+MARKED = {"turn": 0.2, "shift_x": 0.04, "x": 0.15, "y": 0.0, "radius": 0.25}
 HOLD_PLACE, WEIGHT_PLACE = (parameter_table().place(name) for name in (HOLD, WEIGHT))
 speeds = partial(diagnosis_robots.speeds, gain_left=GAIN, gain_right=GAIN, tau_forward=LAG, slip_speed=1e-4)
 
@@ -97,3 +100,21 @@ def test_it_is_said_and_never_accused():
 def test_an_effect_is_named_beside_it():
     decision = judged(RIVALS, speed_controller__hold=5.0, motor_deadband__offset=0.08)
     assert [belief.name for belief in decision.named] == ["motor_deadband"]
+
+
+def test_one_that_a_misplaced_marker_hid_is_bare_beside_it():
+    numbers = {f"misplaced_marker__{name}": value for name, value in MARKED.items()}
+    engine = engine_of(*(recording(seed, speed_controller__hold=5.0, **numbers) for seed in (0, 1)))
+    selector = selector_on(fit_base(engine), engine, "misplaced_marker", "command_delay")
+    selector, _, ranking = ranked_if_bared(selector, *selector.first_ranked())
+    assert free(selector.base)[HOLD_PLACE] > 1.0
+    assert ranking[0].name == "misplaced_marker"
+    assert free(ranking[0].fit)[HOLD_PLACE] == pytest.approx(5.0, rel=0.15)
+
+
+def test_beside_a_marker_a_robot_without_one_is_given_none():
+    numbers = {f"misplaced_marker__{name}": value for name, value in MARKED.items()}
+    engine = engine_of(*(recording(seed, **numbers) for seed in (0, 1)))
+    selector = selector_on(fit_base(engine), engine, "misplaced_marker", "command_delay")
+    found = selector, *selector.first_ranked()
+    assert ranked_if_bared(*found) == found

@@ -23,6 +23,7 @@ from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
 from fsm_calib.diagnosis.shapes.locate import Location, locate
 from fsm_calib.diagnosis.shapes.score_tests import ALPHA, left_over, surprising
+from fsm_calib.diagnosis.verdict.bared import ranked_if_bared
 from fsm_calib.diagnosis.verdict.cross_examined import supports_of
 from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.diagnosis.verdict.model import Model, bare_model
@@ -33,7 +34,6 @@ from fsm_calib.diagnosis.verdict.refined import refined
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.diagnosis.verdict.shares import worth_saying
 from fsm_calib.diagnosis.verdict.simplified import simplified
-from fsm_calib.diagnosis.verdict.unlike import ranked_if_unlike
 from fsm_calib.world2d.effects import Effect
 
 Progress = Callable[[str], None]
@@ -122,7 +122,7 @@ class Judge:
         with self.part("catalogue"):
             bank, ranking = selector.first_ranked()
             selector, bank, ranking = ranked_if_punctual(selector, bank, ranking)
-            selector, bank, ranking = ranked_if_unlike(selector, bank, ranking)
+            selector, bank, ranking = ranked_if_bared(selector, bank, ranking)
         selection: Selection | None = None
         with self.part("further effects"):
             if ranking and ranking[0].evidence >= gates.first:

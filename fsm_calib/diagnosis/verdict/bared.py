@@ -1,0 +1,50 @@
+"""What the first effect hid of the base robot is bare beside it: a controller of speed, motors that are unlike.
+
+A marker that is told half a decimetre off its place hid a controller whose integral explains three thousand units more
+beside it, and without which the marker's own name made the prediction worse; windings that heat hid that one motor's
+torque falls 7 % less with speed than the other's, for which a mass 10 mm beside the axle stood as the second name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
+from fsm_calib.diagnosis.candidates.speed_loop import is_held, with_speed_loop
+from fsm_calib.diagnosis.candidates.stiffness import is_free, with_stiffness
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.verdict.selection import Selector
+from fsm_calib.world2d.effects import Effect
+
+Found = tuple[Selector, Bank, list[Ranked]]
+Freeing = Callable[[Engine, Fit, Iterable[Effect]], Fit]
+
+NUMBERS: tuple[tuple[Callable[[Fit], bool], Freeing], ...] = (
+    (is_held, with_speed_loop),
+    (is_free, with_stiffness),
+)
+"""Numbers of the base robot: whether a fit has it free, and how it is set free where the recordings ask for it."""
+
+
+def ranked_if_bared(selector: Selector, bank: Bank, ranking: list[Ranked]) -> Found:
+    """Return selector, bank and ranking on a base with the numbers that the first effect shows; else all as given."""
+    found = selector, bank, ranking
+    for has, freeing in NUMBERS:
+        found = _ranked_with(*found, has, freeing)
+    return found
+
+
+def _ranked_with(
+    selector: Selector, bank: Bank, ranking: list[Ranked], has: Callable[[Fit], bool], freeing: Freeing
+) -> Found:
+    measured = selector.engine.simulators[0].measured_input
+    if measured or has(selector.base) or not ranking or ranking[0].evidence < selector.needed:
+        return selector, bank, ranking
+    leader = ranking[0]
+    others = [effect for effect in selector.catalogue if effect.name != leader.name and not effect.scan]
+    freed = freeing(selector.engine, leader.fit, others)
+    if not has(freed):
+        return selector, bank, ranking
+    bare = replace(selector, base=selector.without(freed, leader.name), distinct={})
+    return bare, *bare.first_ranked()
