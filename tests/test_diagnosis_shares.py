@@ -6,7 +6,7 @@ import pytest
 
 from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.verdict import shares
-from fsm_calib.diagnosis.verdict.shares import worth_saying
+from fsm_calib.diagnosis.verdict.shares import TELLING, Taken, worth_saying
 from fsm_calib.world2d.effects import registry
 
 LITTLE, ENOUGH = 0.5 * EXACT, 2.0 * EXACT
@@ -14,7 +14,9 @@ LITTLE, ENOUGH = 0.5 * EXACT, 2.0 * EXACT
 
 def said(monkeypatch: pytest.MonkeyPatch, **taken: float) -> list[str]:
     """Return the names that are said of sure ones, strongest first, that take these shares of the error."""
-    monkeypatch.setattr(shares, "shares_of", lambda engine, base, model: taken)
+    monkeypatch.setattr(
+        shares, "taken_by", lambda *given: {n: Taken(share, 1.0) for n, share in taken.items()}
+    )
     named = [SimpleNamespace(name=name) for name in taken]
     return [belief.name for belief in worth_saying(None, None, None, named)]  # type: ignore[arg-type]
 
@@ -23,6 +25,17 @@ def said(monkeypatch: pytest.MonkeyPatch, **taken: float) -> list[str]:
 def test_what_every_robot_has_is_said_where_it_matters(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     assert said(monkeypatch, sensor_yaw=0.5, **{name: ENOUGH}) == ["sensor_yaw", name]
     assert said(monkeypatch, sensor_yaw=0.5, **{name: LITTLE}) == ["sensor_yaw"]
+
+
+def test_what_every_robot_has_is_said_where_the_error_is_clearly_larger_without_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    named = [SimpleNamespace(name=name) for name in ("caster_drag", "sensor_offset")]
+    for times, said_too in ((TELLING, True), (0.9 * TELLING, False)):
+        taken = {"caster_drag": Taken(0.99, 200.0), "sensor_offset": Taken(LITTLE, times)}
+        monkeypatch.setattr(shares, "taken_by", lambda *given, taken=taken: taken)
+        names = [b.name for b in worth_saying(None, None, None, named)]  # type: ignore[arg-type]
+        assert ("sensor_offset" in names) is said_too
 
 
 def test_a_fault_is_said_however_little_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
