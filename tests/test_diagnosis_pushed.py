@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from diagnosis_robots import engine_of, recording
 
-from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, best_apart_from
+from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, best_apart_from, known_beside, standing
 from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.replay.simulator import scale_of
@@ -15,19 +16,22 @@ from fsm_calib.world2d.effects import registry
 BEGIN = 12.0  # s
 
 
-def asked(run, length, hidden):
-    """Return the push that a simulation finds at BEGIN in one of two drives, of which the second has `hidden`."""
+def moment_of(run, length, hidden, start=BEGIN, fitted=fit_base, **robot):
+    """Return a moment of one of two drives of a `robot`, of which the second has `hidden` at BEGIN."""
     changes = {f"external_push__{name}": value for name, value in hidden.items()}
-    drives = (recording(0), recording(1, external_push__start=BEGIN, **changes))
+    drives = (recording(0, **robot), recording(1, external_push__start=BEGIN, **changes, **robot))
     engine = engine_of(*drives)
-    base = fit_base(engine)
+    base = fitted(engine)
     scanner = Bank.on(engine, base).scanner
     situation = situations_of(engine.simulators, base.values)[run]
     passages = Passages.of(engine.simulators[run], base.values[run], base.simulated[run])
-    scale = scale_of(engine.simulators[0])
-    return Moment(
-        registry()["external_push"], passages, scanner.residual, situation, run, BEGIN, length, scale
-    ).push()
+    effect, scale = registry()["external_push"], scale_of(engine.simulators[0])
+    return Moment(effect, passages, scanner.residual, situation, run, start, length, scale)
+
+
+def asked(run, length, hidden):
+    """Return the push that a simulation finds at BEGIN."""
+    return moment_of(run, length, hidden).push()
 
 
 @pytest.mark.parametrize(
@@ -57,6 +61,30 @@ def pushed(run, start, won):
 def test_the_best_other_moment_is_apart_in_time_and_not_the_best_of_another_recording():
     here, beside, later = pushed(0, 5.0, 90.0), pushed(0, 5.5, 80.0), pushed(0, 9.0, 20.0)
     best, same, second = pushed(1, 4.0, 70.0), pushed(1, 4.5, 60.0), pushed(1, 8.0, 30.0)
-    assert best_apart_from(here, [here, beside, later, best, same, second]) == 30.0
-    assert best_apart_from(here, [here, beside, later, best, same]) == 20.0
-    assert best_apart_from(here, [here, beside]) == 0.0
+    for others, expected in (
+        ([here, beside, later, best, same, second], 30.0),
+        ([here, beside, later, best, same], 20.0),
+        ([here, beside], 0.0),
+    ):
+        assert best_apart_from(others, known_beside(here, others, 1e9)) == expected
+
+
+def test_pushes_that_all_stand_out_do_not_deny_each_other():
+    pushes = [pushed(0, 5.0, 90.0), pushed(0, 9.0, 80.0), pushed(0, 20.0, 12.0), pushed(1, 4.0, 11.0)]
+    assert standing(pushes, 0, 20.0) == pushes[:2]
+    assert best_apart_from(pushes, known_beside(pushes[0], pushes, 20.0)) == 12.0
+    assert best_apart_from(pushes, known_beside(pushes[2], pushes, 20.0)) == 90.0
+
+
+def test_of_jolts_that_come_in_all_sizes_none_stands_out_with_another():
+    jolts = [pushed(0, 3.0 * i, 90.0 - 15.0 * i) for i in range(6)]
+    assert standing(jolts, 0, 20.0) == jolts[:1]
+    assert best_apart_from(jolts, known_beside(jolts[0], jolts, 20.0)) == 75.0
+
+
+def test_a_kick_against_a_stiff_controller_is_found_between_the_moments_of_the_scan():
+    stiff = {"speed_controller__hold": 12.0, "tau_forward": 0.03, "tau_turn": 0.03}
+    kick = {"impulse_x": 1.2, "impulse_turn": 0.06}
+    moment = moment_of(1, 0.25, kick, BEGIN - 0.15, lambda engine: fit_whole_base(engine, []), **stiff)
+    assert moment.best().won > 20.0
+    assert moment.push().won < 0.5 * moment.best().won

@@ -12,7 +12,7 @@ rule for the first guess misses by as much. Source: Gauss-Newton with secants, h
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,7 +29,9 @@ from fsm_calib.world2d.scale import Scale
 IMPULSES = ("impulse_x", "impulse_y", "impulse_turn")
 ROUNDS = 3  # of Gauss-Newton: what is left of a push is fitted in full anyway
 HALVINGS = 2
+SHIFTS = (-0.2, -0.1, 0.1, 0.2)  # s about a moment of the scan
 SHARE = 0.6  # of a strength's bounds within which its first guess lies
+MOST_STANDING = 4  # pushes of one recording that may all be real
 NUDGE = 0.2  # of the impulse so far, the size of the next nudges
 
 
@@ -48,13 +50,32 @@ class Pushed:
         return bool(are_apart(np.array(self.start), self.length, other.start, other.length))
 
 
-def best_apart_from(push: Pushed, others: Sequence[Pushed]) -> float:
-    """Return the most that one wins which is not this push, nor the best one of another recording (as in the scan)."""
-    known = {
-        other.run: max((o for o in others if o.run == other.run), key=lambda o: o.won) for other in others
-    }
-    known[push.run] = push
-    return max((o.won for o in others if o.is_apart_from(known[o.run])), default=0.0)
+def standing(pushes: Sequence[Pushed], run: int, worth: float) -> list[Pushed]:
+    """Return the pushes of one recording, most first, that each win `worth` more than whatever else happened there.
+
+    At least its best one. Who pushes a robot once may push it again: two alike would deny each other.
+    """
+    apart: list[Pushed] = []
+    for push in sorted((p for p in pushes if p.run == run), key=lambda p: -p.won):
+        if all(push.is_apart_from(other) for other in apart):
+            apart.append(push)
+    gaps = [apart[k - 1].won - apart[k].won for k in range(1, min(MOST_STANDING + 1, len(apart)))]
+    size = max((k for k, gap in enumerate(gaps, 1) if gap >= worth), default=1)
+    return apart[:size]
+
+
+def known_beside(push: Pushed, others: Sequence[Pushed], worth: float) -> dict[int, list[Pushed]]:
+    """Return of each recording the pushes that are no argument against this one: itself and what stands as it does."""
+    known = {run: standing(others, run, worth) for run in {other.run for other in others}}
+    if all(push.is_apart_from(other) for other in known.get(push.run, [])):
+        known[push.run] = [push]
+    return known
+
+
+def best_apart_from(others: Sequence[Pushed], known: Mapping[int, Sequence[Pushed]]) -> float:
+    """Return the most that one wins which is none of the `known` of its recording."""
+    apart = (o for o in others if all(o.is_apart_from(k) for k in known.get(o.run, ())))
+    return max((o.won for o in apart), default=0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +94,12 @@ class Moment:
     start: float
     length: float
     scale: Scale
+
+    def best(self) -> Pushed:
+        """Return the push that wins most about here: what a kick began a controller ends in a tenth of a second."""
+        shifts = SHIFTS if self.length <= KICK else ()
+        moments = [self, *(replace(self, start=self.start + shift) for shift in shifts)]
+        return max((moment.push() for moment in moments), key=lambda push: push.won)
 
     def push(self) -> Pushed:
         """Return the push that wins most here."""

@@ -18,7 +18,7 @@ from itertools import product
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.distinct import apart
-from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, best_apart_from
+from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, best_apart_from, known_beside
 from fsm_calib.diagnosis.candidates.scan_areas import Area, boxes, drag_columns, settled, strips
 from fsm_calib.diagnosis.candidates.scan_default import (
     MOMENTS_APART,
@@ -219,18 +219,25 @@ class Scanner:
         seen = [(one, int(b)) for one in tried for b in apart(one.won, one.starts[:, None], KEEP, 2 * STEP)]
         seen = sorted(seen, key=lambda moment: -moment[0].won[moment[1]])[: 2 * KEEP]
         simulated = [self._pushed(effect, one, float(one.starts[b])) for one, b in seen]
-        found = []
-        for (one, b), push in zip(seen, simulated, strict=True):
-            start, linear = float(one.starts[b]), float(one.won[b])
-            rest = max(o.won_apart_from(one, start) for o in tried)
-            rest = max(rest, best_apart_from(push, simulated))
-            found.append(Candidate(push.changes, max(push.won, linear), one.run, rest))
+        promises = [max(push.won, float(one.won[b])) for (one, b), push in zip(seen, simulated, strict=True)]
+        found = [
+            Candidate(push.changes, promise, push.run, self._beside(push, simulated, tried))
+            for push, promise in zip(simulated, promises, strict=True)
+        ]
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
+
+    def _beside(self, push: Pushed, simulated: Sequence[Pushed], tried: Sequence[Pushes]) -> float:
+        """Return the most that a moment wins which is neither this push nor one that stands out as it does."""
+        worth = 0.5 * len(push.changes) * float(np.log(self.residual.engine.count))
+        known = known_beside(push, simulated, worth)
+        told = {run: [(p.start, p.length) for p in pushes] for run, pushes in known.items()}
+        linear = max(one.won_apart_from(told.get(one.run, ()), push.run) for one in tried)
+        return max(linear, best_apart_from(simulated, known))
 
     def _pushed(self, effect: Effect, one: Pushes, start: float) -> Pushed:
         run, scale, situation = one.run, scale_of(self.simulators[0]), self.situations[one.run]
         passages = self.passages[run]
-        return Moment(effect, passages, self.residual, situation, run, start, one.length, scale).push()
+        return Moment(effect, passages, self.residual, situation, run, start, one.length, scale).best()
 
     def tried_places(self, effect: Effect) -> list[Candidate]:
         """Return places where any effect of a place promises most, tried by simulation."""

@@ -9,7 +9,7 @@ beside it: it does not move for one second of a drive. How hard it was pushed is
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,14 +39,18 @@ class Pushes:
     starts: FloatArray
     won: FloatArray
 
-    def won_apart_from(self, other: Pushes, start: float) -> float:
-        """Return the most that one of these wins which is not the push of `other` that began at `start` [s].
+    def won_apart_from(self, known: Sequence[tuple[float, float]], own: int) -> float:
+        """Return the most that one of these wins which is none of the `known` (start, length) [s].
 
-        In another recording its best one is left out, too: every recording may have a push of its own.
+        In another recording than `own` its best one is left out, too: every recording may have a push of its own.
         """
-        if self.run != other.run and len(self.starts):
-            return self.won_apart_from(self, float(self.starts[int(np.argmax(self.won))]))
-        return float(self.won[are_apart(self.starts, self.length, start, other.length)].max(initial=0.0))
+        known = list(known)
+        if self.run != own and len(self.starts):
+            known.append((float(self.starts[int(np.argmax(self.won))]), self.length))
+        apart = np.ones(len(self.starts), dtype=bool)
+        for start, length in known:
+            apart &= are_apart(self.starts, self.length, start, length)
+        return float(self.won[apart].max(initial=0.0))
 
 
 def are_apart(starts: FloatArray, length: float, start: float, lasted: float) -> np.ndarray:
