@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, fitted_number, recording
+from diagnosis_robots import engine_of, fitted_number, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
@@ -76,3 +76,14 @@ def test_a_patch_of_grass_is_told_from_one_of_gravel(selector):
     effect = registry()["rough_floor_patch"]
     for tried, closure in ((engine, "grows with speed"), (selector.engine, "dry")):
         assert Bank.on(tried, fit_base(tried)).best_of(effect).hypothesis.closure == closure
+
+
+def test_an_event_is_ranked_with_what_happened_of_its_kind_in_every_recording():
+    fails = {"motor_fault__loss_right": 0.25, "motor_fault__duration": 60.0}
+    engine = engine_of(*(recording(seed, motor_fault__start=20.0 + seed, **fails) for seed in (0, 1)))
+    selector = selector_on(fit_base(engine), engine, "motor_fault")
+    bank, ranking = selector.first_ranked()
+    alone = bank.best_of(registry()["motor_fault"])
+    starts = parameter_table().place("motor_fault.start")
+    assert ranking[0].evidence > 1.3 * alone.evidence
+    assert {slot.run for slot in ranking[0].fit.slots if slot.place == starts} == {0, 1}

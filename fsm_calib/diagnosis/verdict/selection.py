@@ -36,6 +36,9 @@ from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
 POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
+EVENT_SHARE = (
+    0.3  # of the first's evidence: an event of one recording with less does not lead with all of them
+)
 POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
 BEAM = 2  # other first effects that are given company of their own
 SURELY_NEEDED = 8.0  # times the evidence wanted, by its own deviation: an effect that is not taken out to see
@@ -78,9 +81,15 @@ class Selector:
     distinct: Distinct = field(default_factory=dict)
 
     def ranked(self, bank: Bank, parent: Fit, effects: Sequence[Effect] | None = None) -> list[Ranked]:
-        """Return the effects (all) on top of a parent, the leaders polished, implausible ones left out."""
+        """Return the effects (all) on top of a parent, the leaders polished, implausible ones left out.
+
+        An event counts with what happened of its kind in the other recordings: others explain all of them, too.
+        """
         found = bank.rank(self.catalogue if effects is None else effects, self.progress)
-        return [r for r in self._polish(found, parent) if self._is_told(r)]
+        told = [r for r in self._polish(found, parent) if self._is_told(r)]
+        least = max(self.needed, EVENT_SHARE * told[0].evidence) if told else 0.0
+        whole = [self._in_every_recording(r) if r.evidence >= least else r for r in told]
+        return sorted(whole, key=lambda r: -r.evidence)
 
     def first_ranked(self) -> tuple[Bank, list[Ranked]]:
         """Return the effects on top of the base robot, the leader's rivals sought from where it has the base, too.
@@ -100,7 +109,7 @@ class Selector:
 
     def grown(self, ranking: Sequence[Ranked]) -> Selection:
         """Return the selection that begins with the first of a ranking on top of the base robot."""
-        first = self._in_every_recording(ranking[0])
+        first = ranking[0]
         return self._grown_on(Selection((first,), first.fit, (tuple(ranking),), (self.base,)))
 
     def grown_from(
@@ -235,7 +244,7 @@ class Selector:
         rankings = (*selection.rankings, tuple(found))
         if not found or found[0].evidence < wanted:
             return None
-        joining = self._in_every_recording(found[0])
+        joining = found[0]
         joined = (*selection.effects, joining)
         effects, fit = swapped(self, joined, joining.fit, rankings)
         return self._pruned(effects, fit, rankings, wanted, SURELY_NEEDED * wanted)
