@@ -222,6 +222,7 @@ def answered(
     named: int,
     in_poses: bool,
     denied: bool = False,
+    said: tuple[str, ...] = ("command_delay", "coulomb_friction"),
 ):
     """What the judge decides after this answer, where the poses alone show it or not; and how often they were asked."""
     asked: list[object] = []
@@ -231,11 +232,22 @@ def answered(
     monkeypatch.setattr(decide, "InPoses", lambda simulators, gates: poses)
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
     model = plain_model(effects=tuple(range(effects)))
-    names = tuple(SimpleNamespace(name=f"effect-{k}") for k in range(named))
+    names = tuple(SimpleNamespace(name=name) for name in said[:named])
     answer = Decision(outcome, "because.", None, None, model, names, (), None, None)  # type: ignore[arg-type]
     one = judge()
     monkeypatch.setattr(Judge, "_answer", lambda self: answer)
     return answer, one.decide(), len(asked)
+
+
+def test_a_marker_among_the_names_is_not_asked_of_the_poses_since_no_encoder_sees_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    said = ("coulomb_friction", "misplaced_marker")
+    answer, decision, asked = answered(monkeypatch, "explained", 3, 2, False, said=said)
+    assert decision is answer
+    assert asked == 0
+    denied = answered(monkeypatch, "explained", 3, 2, False, denied=True, said=said)[1]
+    assert denied.outcome == "match"
 
 
 @pytest.mark.parametrize(("outcome", "effects", "named"), [("match", 0, 0), ("explained", 1, 1)])

@@ -54,6 +54,7 @@ from fsm_calib.world2d.parameters import parameter_table
 PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
 KEEP = 3
 MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
+SHIFTED_TRIED = 120  # the same of shifted ones, where three numbers make jumps of chance larger
 GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
 CHUNK = 32
 RIDGE, NO_POWER = 1e-9, 1e-12  # a candidate that the base robot can take over wholly has no power of its own
@@ -165,20 +166,29 @@ class Scanner:
             jumps_of(simulator.prepared, simulated)
             for simulator, simulated in zip(self.simulators, self.parent.simulated, strict=True)
         ]
-        turned = [found for wrong in (TURNED, HEADING) for found in self._markers(effect, jumps, wrong)]
-        shifted = self._markers(effect, jumps, SHIFTED)
+        turned = [
+            found
+            for wrong in (TURNED, HEADING)
+            for found in self._markers(effect, jumps, wrong, MARKERS_TRIED)
+        ]
+        shifted = self._markers(effect, jumps, SHIFTED, SHIFTED_TRIED)
         cost = float(np.log(self.residual.engine.count))  # of two numbers more
         best = max((candidate.promise for candidate in turned), default=0.0)
         found = turned + [candidate for candidate in shifted if candidate.promise > best + cost]
         return [candidate for candidate in found if not self.hopeless(candidate.promise)]
 
-    def _markers(self, effect: Effect, jumps: Sequence[Jumps], wrong: Wrong) -> list[Candidate]:
-        """Return the best discs: jumps alone miss a faint turn that the poses inside show together."""
-        discs = likely_discs(jumps, wrong, MARKERS_TRIED, self.size)
+    def _markers(self, effect: Effect, jumps: Sequence[Jumps], wrong: Wrong, count: int) -> list[Candidate]:
+        """Return the best discs by their jumps or by what they win as they are, and the best of these alone.
+
+        Jumps alone miss a faint turn that the poses inside show together, and where the robot's own errors jump, too,
+        discs with jumps enough lose hundreds of units beside one that wins as it is: that one promises as much as any.
+        """
+        discs = likely_discs(jumps, wrong, count, self.size)
         wins = tried_out(self.parent, self.residual, [disc.changes(effect) for disc in discs])
-        promise = [max(disc.promise, float(win)) for disc, win in zip(discs, wins, strict=True)]
-        best = np.argsort(-np.array(promise))[:KEEP]
-        return [Candidate(discs[i].changes(effect), promise[i]) for i in best]
+        promise = np.maximum([disc.promise for disc in discs], wins)
+        surest = np.argsort(-wins)[:1]
+        promise[surest[wins[surest] > 0.0]] = promise.max(initial=0.0)
+        return [Candidate(discs[i].changes(effect), float(promise[i])) for i in np.argsort(-promise)[:KEEP]]
 
     def spans(self, effect: Effect) -> list[Candidate]:
         """Return spans of one recording in which one wheel's motor is weaker."""

@@ -34,7 +34,7 @@ from fsm_calib.diagnosis.verdict.refined import refined
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.diagnosis.verdict.shares import worth_saying
 from fsm_calib.diagnosis.verdict.simplified import simplified
-from fsm_calib.world2d.effects import Effect
+from fsm_calib.world2d.effects import Effect, registry
 
 Progress = Callable[[str], None]
 Outcome = Literal["match", "explained", "unexplained"]
@@ -81,14 +81,16 @@ class Judge:
             self.seconds[name] = self.seconds.get(name, 0.0) + perf_counter() - began
 
     def decide(self) -> Decision:
-        """Run the whole chain; what the encoders alone see is a match, unless one name explains all of it."""
+        """Run the whole chain; what the encoders alone see is a match, unless one name explains all of it, or one that
+        only poses can show is among the names.
+        """
         decision = self._answer()
         model = decision.model
-        sole = len(decision.named) == len(model.effects) == 1
+        witness = _witness(decision)
         with self.part("poses alone"):
             poses = InPoses(self.engine.simulators, self.gates)
             allowed = decision.outcome == "match" or (
-                sole and not poses.deny(model.fit, decision.named[0].name)
+                witness is not None and not poses.deny(model.fit, witness)
             )
             confirmed = allowed or poses.show(self.effects)
         if confirmed:
@@ -197,6 +199,14 @@ class Judge:
         return Decision(
             outcome, reason, self.engine, base, model, named, ranking, location, bank, self.seconds
         )
+
+
+def _witness(decision: Decision) -> str | None:
+    """Return the name that poses may speak for alone: the only one, or one of a map's, which no encoder sees."""
+    names = [belief.name for belief in decision.named]
+    if len(names) == len(decision.model.effects) == 1:
+        return names[0]
+    return next((name for name in names if registry()[name].acts_on == "pose"), None)
 
 
 def _is_strongest_sure(model: Model, gates: Gates) -> bool:
