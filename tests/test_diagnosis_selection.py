@@ -1,6 +1,7 @@
 """Which effects a model ends with: what is left of two, and where a place is before others join it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -87,3 +88,12 @@ def test_an_event_is_ranked_with_what_happened_of_its_kind_in_every_recording():
     starts = parameter_table().place("motor_fault.start")
     assert ranking[0].evidence > 1.3 * alone.evidence
     assert {slot.run for slot in ranking[0].fit.slots if slot.place == starts} == {0, 1}
+
+
+def test_what_an_effect_excludes_is_not_asked_for_beside_it():
+    names = ("skid_steer", "caster_drag", "tyre_scrub")
+    catalogue = [registry()[name] for name in names]
+    selector = Selector(None, None, catalogue, 14.0, 0.01, 4, np.random.default_rng(0))
+    for first, others in (("skid_steer", ["tyre_scrub"]), ("tyre_scrub", ["skid_steer", "caster_drag"])):
+        asked = selector._beside(SimpleNamespace(effects=[SimpleNamespace(name=first)]))
+        assert [effect.name for effect in asked] == others

@@ -109,8 +109,7 @@ class Selector:
 
     def grown(self, ranking: Sequence[Ranked]) -> Selection:
         """Return the selection that begins with the first of a ranking on top of the base robot."""
-        first = ranking[0]
-        return self._grown_on(Selection((first,), first.fit, (tuple(ranking),), (self.base,)))
+        return self._grown_on(Selection((ranking[0],), ranking[0].fit, (tuple(ranking),), (self.base,)))
 
     def grown_from(
         self, effects: tuple[Ranked, ...], fit: Fit, rankings: tuple[tuple[Ranked, ...], ...]
@@ -244,9 +243,7 @@ class Selector:
         rankings = (*selection.rankings, tuple(found))
         if not found or found[0].evidence < wanted:
             return None
-        joining = found[0]
-        joined = (*selection.effects, joining)
-        effects, fit = swapped(self, joined, joining.fit, rankings)
+        effects, fit = swapped(self, (*selection.effects, found[0]), found[0].fit, rankings)
         return self._pruned(effects, fit, rankings, wanted, SURELY_NEEDED * wanted)
 
     def _wanted(self, selection: Selection) -> float:
@@ -260,7 +257,8 @@ class Selector:
 
     def _beside(self, selection: Selection) -> list[Effect]:
         named = {e.name for e in selection.effects}
-        return [e for e in self.catalogue if e.name not in named]
+        left_out = named.union(*(registry()[name].excludes for name in named))
+        return [e for e in self.catalogue if e.name not in left_out]
 
     def _pruned(
         self,

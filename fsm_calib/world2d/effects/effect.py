@@ -80,7 +80,7 @@ class Effect:
     step hook keeps; `order` sorts hooks within a stage (small first); `input` says which drives can show it: any,
     commands (measured wheel speeds have their motors behind them), commanded twists, or drives whose wheels were
     measured by us or by the robot's own controller; `jumps` says that the pose itself jumps at the edge of a place;
-    `phenomenon` defaults to the name in words.
+    `excludes` names what a robot cannot have that has this; `phenomenon` defaults to the name in words.
 
     Raises
     ------
@@ -113,6 +113,7 @@ class Effect:
     jumps: bool = False
     universal: bool = False
     input: Input = "any"
+    excludes: tuple[str, ...] = ()
     summary: str = field(default="")
 
     @property
