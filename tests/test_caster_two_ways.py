@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, judged, recording, robot
+from diagnosis_robots import engine_of, judged, recording, robot, selector_on
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.verdict.selection import Selection, Selector
+from fsm_calib.diagnosis.verdict.selection import Selection
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.rollout import Drive, simulate
 
@@ -43,7 +43,7 @@ def test_it_is_named_without_a_scrubbing_tyre_beside_it():
 def selected(closure, **true):
     """Return a selector and a selection of scrubbing tyres beside a caster of one closure."""
     engine = engine_of(*(recording(seed, **true) for seed in (0, 1)))
-    selector = Selector(engine, fit_base(engine), [], 14.0, 0.01, 4, np.random.default_rng(0))
+    selector = selector_on(fit_base(engine), engine)
     scrub = Bank.on(engine, selector.base).best_of(registry()["tyre_scrub"])
     beside = Bank.on(engine, scrub.fit)
     plans = [

@@ -7,7 +7,7 @@ import pytest
 from diagnosis_robots import drive, engine_of, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.free_number import found_free, unless_stood_in, with_free
-from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, is_free, stiffness_told, with_stiffness
+from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, stiffness_told, with_stiffness
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import fit_base, slot_of
 from fsm_calib.diagnosis.verdict.bared import ranked_if_bared
@@ -96,7 +96,7 @@ def test_unlike_motors_beside_the_first_effect_are_the_base_of_all():
     given = ranked(engine_with(**UNLIKE, motor_deadband__offset=0.06), "motor_deadband", "payload_offset")
     selector, _, ranking = ranked_if_bared(*given)
     assert given[2][0].name == ranking[0].name == "motor_deadband"
-    assert is_free(selector.base)
+    assert found_free(selector.base, STIFFNESS)
     assert stiffness_of(ranking[0].fit)[0] == pytest.approx(0.06, abs=0.02)
 
 
@@ -117,7 +117,7 @@ def test_the_robots_own_number_takes_the_place_of_one_like_it_where_both_do_as_w
     found = unless_stood_in(
         engine, base, freed, [registry()["payload_offset"]], lambda rival: rival.fit if as_good else base
     )
-    assert is_free(found) is as_good
+    assert bool(found_free(found, STIFFNESS)) is as_good
 
 
 def test_noise_that_is_fitted_again_is_no_evidence_of_the_number_beside_it():

@@ -102,19 +102,21 @@ def test_an_effect_is_named_beside_it():
     assert [belief.name for belief in decision.named] == ["motor_deadband"]
 
 
-def test_one_that_a_misplaced_marker_hid_is_bare_beside_it():
+def ranked_beside_a_marker(**robot):
+    """Return selector, bank and ranking of a `robot` whose poses are wrong about a marker."""
     numbers = {f"misplaced_marker__{name}": value for name, value in MARKED.items()}
-    engine = engine_of(*(recording(seed, speed_controller__hold=5.0, **numbers) for seed in (0, 1)))
+    engine = engine_of(*(recording(seed, **robot, **numbers) for seed in (0, 1)))
     selector = selector_on(fit_base(engine), engine, "misplaced_marker", "command_delay")
-    selector, _, ranking = ranked_if_bared(selector, *selector.first_ranked())
+    return selector, *selector.first_ranked()
+
+
+def test_one_that_a_misplaced_marker_hid_is_bare_beside_it():
+    selector, _, ranking = ranked_if_bared(*ranked_beside_a_marker(speed_controller__hold=5.0))
     assert free(selector.base)[HOLD_PLACE] > 1.0
     assert ranking[0].name == "misplaced_marker"
     assert free(ranking[0].fit)[HOLD_PLACE] == pytest.approx(5.0, rel=0.15)
 
 
 def test_beside_a_marker_a_robot_without_one_is_given_none():
-    numbers = {f"misplaced_marker__{name}": value for name, value in MARKED.items()}
-    engine = engine_of(*(recording(seed, **numbers) for seed in (0, 1)))
-    selector = selector_on(fit_base(engine), engine, "misplaced_marker", "command_delay")
-    found = selector, *selector.first_ranked()
+    found = ranked_beside_a_marker()
     assert ranked_if_bared(*found) == found

@@ -58,11 +58,6 @@ def with_free_loop(engine: Engine, fit: Fit) -> Fit:
     )
 
 
-def is_held(fit: Fit) -> bool:
-    """Return whether a controller may hold the wheels' speeds in a fit."""
-    return bool(found_free(fit, HOLD))
-
-
 def loop_told(fit: Fit) -> list[str]:
     """Return a sentence where the robot turned out to hold its wheels' speeds by a controller."""
     return [

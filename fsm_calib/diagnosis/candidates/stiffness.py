@@ -50,11 +50,6 @@ def with_stiffness(engine: Engine, base: Fit, effects: Iterable[Effect]) -> Fit:
     return unless_stood_in(engine, base, freed, rivals, in_place_of_a_mass_aside)
 
 
-def is_free(fit: Fit) -> bool:
-    """Return whether the motors' slopes may differ in a fit."""
-    return bool(found_free(fit, STIFFNESS))
-
-
 def stiffness_told(fit: Fit) -> list[str]:
     """Return a sentence where one motor's torque clearly falls more with its speed than the other's."""
     return [

@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
+from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
-from fsm_calib.diagnosis.candidates.speed_loop import is_held, with_speed_loop
-from fsm_calib.diagnosis.candidates.stiffness import is_free, with_stiffness
+from fsm_calib.diagnosis.candidates.speed_loop import HOLD, with_speed_loop
+from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, with_stiffness
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.world2d.effects import Effect
@@ -20,31 +21,26 @@ from fsm_calib.world2d.effects import Effect
 Found = tuple[Selector, Bank, list[Ranked]]
 Freeing = Callable[[Engine, Fit, Iterable[Effect]], Fit]
 
-NUMBERS: tuple[tuple[Callable[[Fit], bool], Freeing], ...] = (
-    (is_held, with_speed_loop),
-    (is_free, with_stiffness),
-)
-"""Numbers of the base robot: whether a fit has it free, and how it is set free where the recordings ask for it."""
+NUMBERS: tuple[tuple[str, Freeing], ...] = ((HOLD, with_speed_loop), (STIFFNESS, with_stiffness))
+"""Numbers of the base robot: full name, and what sets it free where the recordings ask for it."""
 
 
 def ranked_if_bared(selector: Selector, bank: Bank, ranking: list[Ranked]) -> Found:
     """Return selector, bank and ranking on a base with the numbers that the first effect shows; else all as given."""
     found = selector, bank, ranking
-    for has, freeing in NUMBERS:
-        found = _ranked_with(*found, has, freeing)
+    for name, freeing in NUMBERS:
+        found = _ranked_with(*found, name, freeing)
     return found
 
 
-def _ranked_with(
-    selector: Selector, bank: Bank, ranking: list[Ranked], has: Callable[[Fit], bool], freeing: Freeing
-) -> Found:
+def _ranked_with(selector: Selector, bank: Bank, ranking: list[Ranked], name: str, freeing: Freeing) -> Found:
     measured = selector.engine.simulators[0].measured_input
-    if measured or has(selector.base) or not ranking or ranking[0].evidence < selector.needed:
+    if measured or found_free(selector.base, name) or not ranking or ranking[0].evidence < selector.needed:
         return selector, bank, ranking
     leader = ranking[0]
     others = [effect for effect in selector.catalogue if effect.name != leader.name and not effect.scan]
     freed = freeing(selector.engine, leader.fit, others)
-    if not has(freed):
+    if not found_free(freed, name):
         return selector, bank, ranking
     bare = replace(selector, base=selector.without(freed, leader.name), distinct={})
     return bare, *bare.first_ranked()

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
 from fsm_calib.diagnosis.fitting.fit import Fit
-from fsm_calib.diagnosis.verdict.swapped import Fitting
+from fsm_calib.diagnosis.verdict.swapped import Fitting, has_closures
 from fsm_calib.world2d.effects import registry
 
 
@@ -44,5 +44,4 @@ def _by_another_equation(fitting: Fitting, fit: Fit, effect: Ranked) -> Ranked |
 def _are_neighbours(name: str, other: str) -> bool:
     """Return whether one of two effects declares the other as a rival, and the first has several equations."""
     one, two = registry()[name], registry()[other]
-    has_choice = not one.scan and len(one.competing) > 1
-    return name != other and has_choice and (other in one.rivals or name in two.rivals)
+    return name != other and has_closures(one) and (other in one.rivals or name in two.rivals)

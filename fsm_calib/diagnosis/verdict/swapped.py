@@ -69,7 +69,7 @@ def _with_another(
     """Return the effects with a rival in a place, or another closure there, where that is better."""
     earlier, names = effects[place], {e.name for e in effects}
     rivals = [r for r in near if r.name not in names][:RIVALS]
-    rivals += [earlier] if _has_closures(registry()[earlier.name]) else []
+    rivals += [earlier] if has_closures(registry()[earlier.name]) else []
     if not rivals:
         return effects, fit
     bank = Bank.on(fitting.engine, fitting.without(fit, earlier.name))
@@ -108,6 +108,6 @@ def _is_better(engine: Engine, tried: Fit, fit: Fit) -> bool:
     return evidence_of(tried, fit, engine.count) > 2.0 * BETTER
 
 
-def _has_closures(effect: Effect) -> bool:
+def has_closures(effect: Effect) -> bool:
     """Return whether an effect has several equations of which another may fit better beside other effects."""
     return not effect.scan and len(effect.competing) > 1
