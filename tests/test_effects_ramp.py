@@ -103,3 +103,17 @@ def test_a_filter_of_one_motor_is_found_on_its_side():
     assert [belief.name for belief in decision.named] == ["motor_asymmetric_lag"]
     assert number(decision, "ramp_side") == -1.0
     assert number(decision, "rise") == pytest.approx(0.2, rel=0.05)
+
+
+def test_filters_of_each_side_are_found_by_their_sizes_and_not_taken_for_the_motors_own_lag():
+    decision = judged(
+        RIVALS,
+        tau_forward=0.06,
+        tau_turn=0.06,
+        motor_asymmetric_lag__lag_left=0.2,
+        motor_asymmetric_lag__lag_right=0.27,
+    )
+    assert [belief.name for belief in decision.named] == ["motor_asymmetric_lag"]
+    assert decision.model.effects[0].hypothesis.closure == "each its filter"
+    assert number(decision, "lag_left") == pytest.approx(0.2, rel=0.05)
+    assert number(decision, "lag_right") == pytest.approx(0.27, rel=0.05)

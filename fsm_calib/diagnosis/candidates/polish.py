@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fsm_calib.diagnosis.candidates.commuted import commuted
 from fsm_calib.diagnosis.candidates.ranking import LAST_STEPS, Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.ridge import beyond_the_ridge
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -17,10 +18,10 @@ def polished(engine: Engine, ranked: Ranked, parent: Fit, noise_names: Sequence[
     matter.
     """
     fit = _settled(engine, ranked.fit, noise_names)
-    higher = beyond_the_ridge(engine, fit, ranked.name)
-    if higher is not None:
-        there = engine.fit(higher, fit.slots, fit.noise, steps=LAST_STEPS)
-        fit = max(fit, _settled(engine, there, noise_names), key=lambda found: found.score)
+    for hill in (beyond_the_ridge(engine, fit, ranked.name), commuted(fit, ranked.name)):
+        if hill is not None:
+            there = engine.fit(hill, fit.slots, fit.noise, steps=LAST_STEPS)
+            fit = max(fit, _settled(engine, there, noise_names), key=lambda found: found.score)
     fit = engine.fit(fit.values, fit.slots, fit.noise, steps=LAST_STEPS, refresh=True)
     if fit.score < ranked.fit.score:
         fit = engine.fit(ranked.fit.values, ranked.fit.slots, ranked.fit.noise, steps=0)

@@ -2,20 +2,22 @@ r"""The caster drags, and kicks when it swivels.
 
     F_drag = -drag v_p / |v_p|                                   at the pivot, against its velocity
     F_drag = -drag v_h / |v_h| - drag n_y sgn(n_y . v_p)         with `crossed`: each of two ways by itself
+    F_drag = -drag e sgn(e . v_p)                                with `forked`: along the fork, wherever it points
     F_kick = -kick n (n . v_p) / sqrt((n . v_p)^2 + swivel^2)    across a caster that is not yet aligned
     d psi / dt = (n . v_p) / trail - omega
 
 v_p [m/s] velocity of the caster's pivot, `arm` [m] behind the axle; psi [rad] direction of the caster's wheel
-in `base` (0: straight ahead), n the unit vector across it, trail [m] distance of its wheel behind the pivot (a
-share of the arm), drag and kick [N]. A ball caster only drags; a swivelling one stands on the wrong side of its
-pivot after a reversal and turns over within a few trail lengths of travel, pushing sideways. Some contacts resist each
-of two ways by itself: a ball on crossed rollers, and skids of engines that solve friction along a body's motion and
-across it apart from each other. v_h [m/s] is the velocity halfway between axle and caster, n_y across the robot. PhysX
-5 turns its two ways with the velocity of the body's centre of mass: axes turned so leave a likelihood too rugged to
-fit, and these meet what they do to a hundredth of the evidence. Sources: dry friction of a ball caster; friction
-pyramid of contacts, Stewart & Trinkle, Int. J. Numer. Methods Eng. 39 (1996) 2673; trailing wheel after Chung &
-Iagnemma, in Springer Handbook of Robotics, 2nd ed. 2016, section 24.1; Duckietown URDF for the arm (0.083 m, 0.085 m
-on newer robots).
+in `base` (0: straight ahead), e and n the unit vectors along and across it, trail [m] distance of its wheel behind the
+pivot (a share of the arm), drag and kick [N]. A ball only drags; a swivelling caster stands on the wrong side of its
+pivot after a reversal and turns over within a few trail lengths of travel, pushing sideways. A wheel that rolls hard or
+is braked passes no moment through its pivot, so that it pulls along its fork: for a trail length or two after a spin
+still across the robot, which no drag against the pivot's velocity does. Some contacts resist each of two ways by
+itself: a ball on crossed rollers, and skids of engines that solve friction along a body's motion and across it apart
+from each other. v_h [m/s] is the velocity halfway between axle and caster, n_y across the robot. PhysX 5 turns its two
+ways with the velocity of the body's centre of mass: axes turned so leave a likelihood too rugged to fit, and these meet
+what they do to a hundredth of the evidence. Sources: dry friction of a ball caster; friction pyramid of contacts,
+Stewart & Trinkle, Int. J. Numer. Methods Eng. 39 (1996) 2673; trailing wheel after Chung & Iagnemma, in Springer
+Handbook of Robotics, 2nd ed. 2016, section 24.1; Duckietown URDF for the arm (0.083 m, 0.085 m on newer robots).
 """
 
 from __future__ import annotations
@@ -44,7 +46,9 @@ def drag_and_swivel(P, o, S, m, W):
     vx, vy = S[V], S[L] - arm * S[OMEGA]
     speed2 = vx * vx + vy * vy
     speed = math.sqrt(speed2)
-    if P[o + 3] == 0.0:
+    if P[o + 4] != 0.0:
+        add_dry_way(W, -arm, 0.0, math.cos(S[m]), math.sin(S[m]), P[o])
+    elif P[o + 3] == 0.0:
         add_dry_point(W, -arm, 0.0, P[o])
     else:
         add_dry_point(W, -HALFWAY * arm, 0.0, P[o])
@@ -55,7 +59,7 @@ def drag_and_swivel(P, o, S, m, W):
         kick = P[o + 1] / math.sqrt(across * across + SWIVEL_SPEED * SWIVEL_SPEED)
         add_oblique_damper(W, -arm, 0.0, -s, c, kick)
     if speed2 > 0.0:
-        S[m] = turn_towards(S[m], math.atan2(vy, vx), speed * W[STEP] / (TRAIL * arm), S[OMEGA] * W[STEP])
+        S[m] = turn_towards(S[m], math.atan2(vy, vx), speed * W[STEP] / (P[o + 5] * arm), S[OMEGA] * W[STEP])
 
 
 @njit(error_model="numpy")
@@ -114,6 +118,30 @@ EFFECT = Effect(
             strength=False,
             fitted=False,
         ),
+        Parameter(
+            "forked",
+            "f",
+            "1",
+            0.0,
+            0.0,
+            1.0,
+            0.0,
+            "0: against its velocity, 1: along the fork",
+            strength=False,
+            fitted=False,
+        ),
+        Parameter(
+            "trail",
+            "q",
+            "1",
+            TRAIL,
+            0.05,
+            1.0,
+            TRAIL,
+            "2 to 5 cm behind a pivot 7 to 20 cm behind the axle",
+            strength=False,
+            starts=(0.15, 0.4),
+        ),
     ),
     hooks={"step": drag_and_swivel},
     channels=("forward", "turn"),
@@ -132,6 +160,12 @@ EFFECT = Effect(
             "along its way and across it each by itself",
             fixes={"crossed": 1.0},
             source="Stewart & Trinkle 1996",
+        ),
+        Closure(
+            "along its fork",
+            ("drag", "arm", "trail"),
+            "a wheel that is braked pulls along its fork, wherever that points",
+            fixes={"forked": 1.0},
         ),
         Closure("drag and kick", ("drag", "kick"), "with a kick when it swivels"),
     ),

@@ -9,7 +9,8 @@ over that of speeding up: above 1 for a driver that lets the motor coast, below 
 be one motor's alone (r_l, r_r). The change is spread over 1 cm/s around standstill and no-load. A driver may instead
 let its output follow the command with a time constant upwards (rise [s]), downwards (fall [s]) or both ways (a filter
 of set points): then the motor's own lag comes on top. Or it limits by how much the output may change in a second:
-ramp [s2/m] is the time for each m/s. Either is of both motors or of the one that ramp_side tells. Sources: H-bridge
+ramp [s2/m] is the time for each m/s. Either is of both motors or of the one that ramp_side tells; a filter may have
+a time constant of its own on each side, both ways (lag_l, lag_r [s]). Sources: H-bridge
 decay modes, e.g. TI DRV8833 data sheet, section 7.3.2; acceleration and deceleration ramps, e.g. Roboteq Controllers
 User Manual v2.1, "Acceleration and Deceleration"; a first-order filter of set points, Astrom & Hagglund, Advanced PID
 Control, 2006, section 5.3.
@@ -93,7 +94,8 @@ def brake(P, o, S, m, W):
         elif limited:
             W[TARGET + side], S[m + side] = ramped(before, wanted, P[o + 5], P[o + 6], W[STEP])
         else:
-            W[TARGET + side], S[m + side] = follow(before, wanted, P[o + 3], P[o + 4], W[STEP])
+            lag = P[o + 8 + side]
+            W[TARGET + side], S[m + side] = follow(before, wanted, P[o + 3] + lag, P[o + 4] + lag, W[STEP])
         rim = S[RIM + side]
         against = (W[TARGET + side] - rim) * rim
         share = 0.5 - 0.5 * against / math.sqrt(against * against + SOFT**4)
@@ -103,7 +105,8 @@ def brake(P, o, S, m, W):
 def _ramp(name: str, symbol: str) -> Parameter:
     """Return a time constant of the drivers; below `LEAST_LAG` it is how one motor differs from the other."""
     return Parameter(
-        name, symbol, "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2), least=LEAST_LAG
+        name, symbol, "s", 0.0, 0.0, 1.5, 0.0, "driver ramps: 0.05 to 0.5", starts=(0.05, 0.2), least=LEAST_LAG,
+        in_series=True,
     )  # fmt: skip
 
 
@@ -155,6 +158,7 @@ EFFECT = Effect(
             starts=(0.0, -1.0, 1.0),
             mirror="negate",
         ),
+        *of_each_wheel(_ramp("lag", "tau")),
     ),
     hooks={"step": brake},
     channels=("forward", "turn"),
@@ -198,6 +202,13 @@ EFFECT = Effect(
             ("rise", "fall"),
             "the driver's set points pass a filter",
             sentence="The drivers follow a growing command with a time constant of {rise}, a shrinking one of {fall}.",
+        ),
+        Closure(
+            "each its filter",
+            ("lag_left", "lag_right"),
+            "set points of each side pass a filter of its own",
+            sentence="The left driver follows its command within {lag_left}, the right one within {lag_right}.",
+            fixes=OF_BOTH,
         ),
         Closure(
             "limited up",

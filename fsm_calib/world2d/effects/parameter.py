@@ -57,6 +57,9 @@ class Parameter:
     least : float
         A smaller distance from the null value, in `unit`, is within what the base robot's own equations leave open,
         and no size to be named.
+    in_series : bool
+        Whether it is a time constant in series with the motors' own. Lags in series commute, so that a fit that takes
+        one for the other stands on a hill of its own.
     """
 
     name: str
@@ -80,6 +83,7 @@ class Parameter:
     least: float = 0.0
     of_axle: float = 0.0
     prior: float = 0.0
+    in_series: bool = False
 
     @property
     def difference_step(self) -> float:
