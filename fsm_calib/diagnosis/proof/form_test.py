@@ -14,7 +14,7 @@ Assumes that forms act linearly, which favours the name: its own equation is sim
 re-fitted in full, too: beside the wheels' cross-talk, or where a place makes it slide, it ends far from where the
 named model has it, and what is linearised there misjudges the forms by hundreds. Poses that jump where the robot
 crosses the edge of a disc (`scan_markers.py`) count as one more form beside the name. What is late by a millisecond is
-no form: tyres and motors lag by as much more or less than the base's equations say (`LEAST_DELAY`), so that both
+no form: tyres and motors lag by as much more or less than the base's equations say (`LATE`), so that both
 models may be late by a little, forward and turning.
 """
 
@@ -37,13 +37,12 @@ from fsm_calib.diagnosis.shapes.form_frame import frames_of
 from fsm_calib.diagnosis.shapes.forms import forms
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.effects.effect import LEAST_DELAY
 
 JUMPS = "the pose's jumps at a place"
 MOST_INSTEAD = 5  # forms that may stand in for an effect
 MOST_BESIDE = 3
 REFIT_STEPS = 8  # of the base robot at the named model's noise
-LATE = 0.5 * LEAST_DELAY  # s, standard deviation of what the base is late by beyond its own lags
+LATE = 0.002  # s, standard deviation of what the base is late by beyond its own lags: tyres lag by 2 to 3 ms (assumed)
 NEW = 0.02  # of a column's length that the columns before it must leave
 NOTHING = 1e-9  # length of a whitened column that a form does not have
 
