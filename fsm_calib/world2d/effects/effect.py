@@ -64,7 +64,9 @@ from fsm_calib.world2d.effects.vocabulary import HOOKS, Acts, Channel, Input, Re
 
 __all__ = ["FORCE_DOUBT", "HOOKS", "LEAST_DELAY", "Channel", "Closure", "Effect", "Parameter"]
 
-LEAST_DELAY = 0.025  # s: a loop of 20 Hz answers that late in the mean, tyres and windings lag by 2 to 10 ms more
+LEAST_DELAY = (
+    0.025  # s: a loop of 20 Hz answers that late in the mean, tyres and windings lag by 2 to 10 ms more
+)
 
 
 @dataclass(frozen=True, eq=False)
