@@ -41,6 +41,7 @@ def test_a_trail_length_or_four_after_a_spin_it_follows():
     assert abs(yaw_rates((-0.4, 0.4), (0.5, 0.5), [1.5], **BUILT)[0]) < 1e-3
 
 
+@pytest.mark.slow
 def test_it_is_named_with_its_drag_arm_and_trail():
     decision = judged(("caster_drag", "tyre_scrub", "coulomb_friction", "motor_asymmetric_lag"), **BUILT)
     assert [b.name for b in decision.named] == ["caster_drag"]

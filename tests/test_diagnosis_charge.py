@@ -85,6 +85,7 @@ def test_a_charge_of_less_than_a_hundredth_is_not_told():
     assert charges_told(SimpleNamespace(numbers=lambda: numbers)) == []
 
 
+@pytest.mark.slow
 def test_a_dead_zone_is_named_beside_two_charges():
     found = diagnose(
         [charged(seed, share, motor_deadband__offset=0.06) for seed, share in ((0, 1.0), (1, 0.93))]
@@ -92,6 +93,7 @@ def test_a_dead_zone_is_named_beside_two_charges():
     assert [belief.name for belief in found.decision.named] == ["motor_deadband"]
 
 
+@pytest.mark.slow
 def test_the_next_drive_is_designed_for_a_robot_without_a_charge_of_its_own():
     belief = belief_of(diagnose([charged(0, 1.0), charged(1, 0.93), charged(2, 1.04)]).decision)
     assert all(len(set(h.places)) == len(h.places) for h in belief.hypotheses)

@@ -64,6 +64,7 @@ def test_a_replay_without_encoders_keeps_its_poses(late_encoder):
     np.testing.assert_array_equal(before.seen[:, :3], after.seen[:, :3])
 
 
+@pytest.mark.slow
 def test_what_the_encoders_alone_see_without_a_name_is_a_match(late_encoder):
     decision = decide(late_encoder[:1])
     assert decision.outcome == "match"

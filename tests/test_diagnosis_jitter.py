@@ -80,6 +80,7 @@ def test_the_filter_whitens_what_a_lateness_does():
     assert np.mean(white[:, rows] ** 2) == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_clean_robot_with_late_commands_is_a_match_and_told():
     found = diagnose([recording(seed, jitter=0.025) for seed in (2, 3)])
     assert found.verdict.verdict == "match"

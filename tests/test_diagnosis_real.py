@@ -172,6 +172,7 @@ def test_nothing_to_fit_is_refused() -> None:
 
 
 @real
+@pytest.mark.slow
 def test_the_duckiebots_driver_over_compensates() -> None:
     """A real Duckiebot: not slip, not lag, not the axle.
 
@@ -207,6 +208,7 @@ def test_the_husky_skids() -> None:
 
 
 @real
+@pytest.mark.slow
 def test_a_husky_on_a_hard_floor_winds_its_tyres_up() -> None:
     """Its body follows the wheels' difference half a second late; the base robot's numbers are the stated ones then."""
     runs = [shared(f"husky-terrains/b-{run}") for run in (1, 2, 3)]

@@ -60,6 +60,7 @@ def investigated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dic
         yield json.loads((folder / "out" / "investigation.json").read_text()), node, said.stdout
 
 
+@pytest.mark.slow
 def test_a_served_robot_finds_out_by_driving_what_its_motors_lose(investigated: Any) -> None:
     result, _, _ = investigated
     assert result["ended"] == "done"

@@ -81,6 +81,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_bag_recorded_during_a_run_opens_in_rosbag_info(bag: Path) -> None:
     said = subprocess.run(["rosbag", "info", str(bag)], capture_output=True, text=True, check=True).stdout
     assert all(topic in said for topic in RECORDED)
@@ -107,6 +108,7 @@ def test_the_encoders_of_the_bag_agree_with_its_poses(bag: Path) -> None:
     assert aside == pytest.approx(0.0, abs=0.003)
 
 
+@pytest.mark.slow
 def test_the_served_robot_is_a_match_to_the_simulation(bag: Path) -> None:
     found = diagnose([read_recording(bag).window(0.0, 60.0)], seed=1)
     assert found.verdict.verdict == "match"

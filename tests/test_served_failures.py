@@ -87,6 +87,7 @@ def drive_it_too(master: str, topic: str) -> None:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="finds the guard's process in /proc")
+@pytest.mark.slow
 def test_a_run_that_is_stopped_in_every_phase_stands_still_and_goes_on_to_its_end(tmp_path: Path) -> None:
     scenario = scenario_from(parse_yaml(CALIBRATION))
     with small_master() as master, served(scenario, master) as (node, client):

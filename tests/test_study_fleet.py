@@ -112,6 +112,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_a_killed_command_goes_on_and_nothing_is_lost_or_run_twice(tmp_path):
     out = tmp_path / "out"
     command = [sys.executable, "-c", COMMAND, str(out)]
