@@ -106,7 +106,7 @@ def ranked_beside_a_marker(**robot):
     """Return selector, bank and ranking of a `robot` whose poses are wrong about a marker."""
     numbers = {f"misplaced_marker__{name}": value for name, value in MARKED.items()}
     engine = engine_of(*(recording(seed, **robot, **numbers) for seed in (0, 1)))
-    selector = selector_on(fit_base(engine), engine, "misplaced_marker", "command_delay")
+    selector = selector_on(fit_base(engine), engine, "misplaced_marker", "motor_asymmetric_lag")
     return selector, *selector.first_ranked()
 
 

@@ -92,7 +92,13 @@ MOST_CONTACTS, CONTACT_SIZE = 8, 7
 CARRIED_X = CONTACT + MOST_CONTACTS * CONTACT_SIZE
 CARRIED_Y = CARRIED_X + 1
 """Velocity in `world` at which the floor's surface carries the robot, without a force of its own [m/s]."""
-BENCH_SIZE = CARRIED_Y + 1
+CEILING = CARRIED_Y + 1
+"""No-load rim speeds that the motors' supply gives at most [m/s] (left, right); 0: it never ends."""
+LOOP_GAIN = CEILING + 2
+"""How much stiffer a speed loop's proportional gain makes the motors than they are [1]."""
+HELD = LOOP_GAIN + 1
+"""Whether a controller with an integral holds the wheels' speeds (1) or not (0)."""
+BENCH_SIZE = HELD + 1
 
 # ---- constants of the world ----
 GRAVITY = 9.80665

@@ -3,13 +3,16 @@ r"""Commands above a limit are cut.
     u_effective = min(max(u, -limit), limit)
     u_effective = u / (1 + (|u| / limit)^n)^(1/n)       soft: a supply that gives way before it gives no more
     |F| <= current D K                                  a driver that limits the motors' current
+    |V| <= voltage K                                    a supply that ends, behind a speed loop (`supply`)
 
 limit [1]: a setting of the kinematics node (`limit`, 0.1 to 1) or a supply that gives no more, softly with n = 4 / knee
-[1]: 4 as is usual, down to 2 where it gives way early. current [1]: the
-motor's largest force F [N] as a share of its stall force at full command, D K with the slope D [N s/m] of its
-torque-speed line and the gain K [m/s]: the speed is reached, but late, and a slope is climbed with less. Null is 2 for
-both: never reached. Sources: Duckietown kinematics_node.py; current regulation of H-bridges, e.g. TI DRV8871 data
-sheet, section 7.3.2.
+[1]: 4 as is usual, down to 2 where it gives way early. current [1]: the motor's largest force F [N] as a share of its
+stall force at full command, D K with the slope D [N s/m] of its torque-speed line and the gain K [m/s]: the speed is
+reached, but late, and a slope is climbed with less. voltage [1]: where the supply ends, as a share of the no-load speed
+at full command; on a robot that is told speeds (and has a weak battery) it also cuts what the loop adds to speed up,
+`loop` [1] being the loop's gain over the motor's slope. Null is 2 for all three: never reached. Sources: Duckietown
+kinematics_node.py; current regulation of H-bridges, e.g. TI DRV8871 data sheet, section 7.3.2; Astrom & Hagglund,
+Advanced PID Control, 2006, section 3.5.
 """
 
 from __future__ import annotations
@@ -18,8 +21,11 @@ from numba import njit
 
 from fsm_calib.world2d.dynamics import GAIN
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.slots import DRIVE, RIM, TARGET
+from fsm_calib.world2d.slots import CEILING, DRIVE, HELD, LOOP_GAIN, RIM, TARGET
+from fsm_calib.world2d.supply import give_what_there_is
 
+NEVER = 2.0
+"""Limit [1] that no command reaches."""
 SOFTLY = "Commands beyond about {limit} give less and less more speed."
 
 
@@ -33,9 +39,22 @@ def clip(P, o, u, side):
 
 
 @njit(error_model="numpy")
+def end_supply(P, o, W):
+    """Tell where the supply ends, if it does."""
+    if P[o + 4] < NEVER:
+        W[LOOP_GAIN] = P[o + 5]
+        for side in range(2):
+            W[CEILING + side] = P[o + 4] * P[GAIN + side]
+
+
+@njit(error_model="numpy")
 def give_no_more(P, o, S, m, W):
-    """Cut the motors' forces to what the limited current gives: their slope falls to the secant."""
+    """Cut the motors' forces to what the limited current gives: their slope falls to the secant; and to what the supply
+    gives, but where a controller with an integral does so itself (`speed_controller`).
+    """
     for side in range(2):
+        if W[CEILING + side] > 0.0 and W[HELD] == 0.0:
+            give_what_there_is(S, W, side)
         short, most = abs(W[TARGET + side] - S[RIM + side]), P[o + 2] * P[GAIN + side]
         if short > most:
             W[DRIVE + side] *= most / short
@@ -48,21 +67,28 @@ EFFECT = Effect(
     equation="u_eff = clip(u, -limit, limit)",
     parameters=(
         Parameter(
-            "limit", "u_max", "1", 2.0, 0.05, 2.0, 0.4, "kinematics node: limit 0.1 to 1",
+            "limit", "u_max", "1", NEVER, 0.05, 2.0, 0.4, "kinematics node: limit 0.1 to 1",
             starts=(0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.75, 0.9), step=1e-3,
         ),
         Parameter(
             "soft", "s", "1", 0.0, 0.0, 1.0, 0.0, "0 a hard limit, 1 a soft one", strength=False, fitted=False,
         ),
         Parameter(
-            "current", "i_max", "1", 2.0, 0.02, 2.0, 2.0, "drivers: 0.2 to 0.6 of the stall current",
+            "current", "i_max", "1", NEVER, 0.02, 2.0, 2.0, "drivers: 0.2 to 0.6 of the stall current",
             starts=(0.08, 0.15, 0.3, 0.5), step=1e-3,
         ),
         Parameter(
             "knee", "k", "1", 1.0, 0.2, 2.0, 1.0, "2 gives way early, 0.2 nearly at once", strength=False, step=1e-2,
         ),
+        Parameter(
+            "voltage", "v_max", "1", NEVER, 0.05, 2.0, 2.0, "batteries lose a tenth to a third of their voltage",
+            starts=(0.3, 0.45, 0.6, 0.75, 0.9), step=1e-3,
+        ),
+        Parameter(
+            "loop", "p", "1", 2.0, 0.0, 30.0, 2.0, "wheel speed loops: 0.5 to 10", strength=False, starts=(1.0, 4.0),
+        ),
     ),
-    hooks={"shape": clip, "step": give_no_more},
+    hooks={"begin": end_supply, "shape": clip, "step": give_no_more},
     channels=("forward", "turn"),
     regimes=("large_command",),
     separates="commands below the limit are untouched, those above all give the same speed",
@@ -85,6 +111,11 @@ EFFECT = Effect(
             "current limit", ("current",), "the driver limits the current: speeds are reached late",
             sentence="The motors give no more than {current} of their stall force.",
             source="TI DRV8871 data sheet, section 7.3.2",
+        ),
+        Closure(
+            "end of supply", ("voltage", "loop"), "a speed loop gets no more voltage than there is",
+            sentence="The motors' supply ends at {voltage} of the speed at full command.",
+            source="Astrom & Hagglund 2006, section 3.5",
         ),
     ),
     order=10,

@@ -9,8 +9,10 @@ acts at once. With a motor F = D_m (duty w_0 - w), w_0 its free speed, and a con
 i / (1 + p), weight = (c + p) / (1 + p): the stiffness goes into its time constants, the integral remains. It overshoots
 after each step of the set point, and no lasting load slows the wheels down: friction, slopes and drag show for a moment
 only. Where a wheel that is told to rest is slower than `STILL`, the integral dies away within the time let_go [s] (over
-1 - |w| / STILL, so that nothing jumps), as firmware lets its motors go so that nothing creeps (assumed). Also assumed:
-no limit of the voltage is met. The integral's memory is a way: z = hold (the way asked for - the way rolled).
+1 - |w| / STILL, so that nothing jumps), as firmware lets its motors go so that nothing creeps (assumed). Where the
+supply ends (`command_saturation`) the integral grows no further (Astrom & Hagglund, Advanced PID Control, 2006,
+section 3.5); else no limit of the voltage is met. The integral's memory is a way: z = hold (the way asked for - the way
+rolled).
 
 Robots that are told velocities (ROS) have one; those that are told duties (a Duckiebot) have none. It is how a robot is
 built, not what is wrong with it: of the base family, set free by `diagnosis.candidates.speed_loop`.
@@ -24,10 +26,17 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
-from fsm_calib.world2d.slots import ANGLE, RADIUS, RIM, STEP, TARGET
+from fsm_calib.world2d.slots import ANGLE, CEILING, HELD, RADIUS, RIM, STEP, TARGET
+from fsm_calib.world2d.supply import give_what_there_is
 
 STILL, REST = 0.01, 1e-5
 """A wheel that is slower than the one [m/s] stands, one that is told less than the other is told to rest (assumed)."""
+
+
+@njit(error_model="numpy")
+def take_hold(P, o, W):
+    """Tell that a controller holds the speeds."""
+    W[HELD] = 1.0
 
 
 @njit(error_model="numpy")
@@ -41,7 +50,9 @@ def hold_speed(P, o, S, m, W):
             rate = (1.0 - abs(rim) / STILL) / P[o + 2]
             S[way] = rolled + (S[way] - rolled) * math.exp(-step * rate)
         W[TARGET + side] = P[o + 1] * wanted + hold * (S[way] - rolled + 0.5 * step * (wanted - rim))
-        S[way] += step * wanted
+        grows = (wanted - rim) * (W[TARGET + side] - rim) > 0.0
+        stays = W[CEILING + side] > 0.0 and give_what_there_is(S, W, side) and grows
+        S[way] += step * (rim if stays else wanted)
 
 
 EFFECT = Effect(
@@ -61,7 +72,7 @@ EFFECT = Effect(
             strength=False, fitted=False,
         ),
     ),
-    hooks={"step": hold_speed},
+    hooks={"begin": take_hold, "step": hold_speed},
     memory=2,
     channels=("forward", "turn"),
     regimes=("transient", "starting", "stopping"),
