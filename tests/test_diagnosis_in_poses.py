@@ -91,9 +91,21 @@ def test_poses_of_a_robot_with_play_do_not_deny_it():
     assert not InPoses(replays, DEFAULT_GATES).deny(played(replays, 0.3), "gear_backlash")
 
 
-def test_poses_that_cannot_be_asked_alone_deny_nothing():
+def test_poses_of_a_robot_with_play_speak_for_it():
+    replays = simulators(*(with_encoders(seed, gear_backlash__gap=0.3) for seed in (0, 1)))
+    assert InPoses(replays, DEFAULT_GATES).affirm(played(replays, 0.3), "gear_backlash")
+
+
+@pytest.mark.parametrize("gap", [0.3, 0.001], ids=["they would see it", "too small to be seen"])
+def test_poses_of_a_robot_without_play_speak_for_none(late_encoder, gap):
+    assert not InPoses(late_encoder, DEFAULT_GATES).affirm(played(late_encoder, gap), "gear_backlash")
+
+
+def test_poses_that_cannot_be_asked_alone_deny_nothing_and_speak_for_nothing():
     replays = simulators(recording(0))
-    assert not InPoses(replays, DEFAULT_GATES).deny(played(replays, 0.3), "gear_backlash")
+    poses = InPoses(replays, DEFAULT_GATES)
+    assert not poses.deny(played(replays, 0.3), "gear_backlash")
+    assert not poses.affirm(played(replays, 0.3), "gear_backlash")
 
 
 def test_a_slippery_spot_is_not_denied_where_a_low_grip_had_stood_in_for_it_everywhere():

@@ -62,3 +62,13 @@ def test_it_is_named_with_where_the_supply_ends():
     table, values = parameter_table(), decision.model.fit.values[0]
     found = [float(values[table.place(f"command_saturation.{n}")]) for n in ("voltage", "loop")]
     assert found == pytest.approx([0.4, LOOP], rel=0.1)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_limit_of_one_driver_is_found_on_its_side(side):
+    names = ("command_saturation", "motor_gain_curve", "motor_deadband", "motor_fault")
+    decision = judged(names, command_saturation__limit=0.4, command_saturation__limit_side=side)
+    assert [b.name for b in decision.named] == ["command_saturation"]
+    table, values = parameter_table(), decision.model.fit.values[0]
+    found = [float(values[table.place(f"command_saturation.{n}")]) for n in ("limit", "limit_side")]
+    assert found == pytest.approx([0.4, side], rel=0.02)

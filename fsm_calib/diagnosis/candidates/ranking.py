@@ -8,6 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.extended import beyond
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
     declared_starts,
@@ -112,6 +113,7 @@ class Bank:
                 for form, starts in self.plans(effect, hope if self.scanner.worth else -np.inf)
                 for start in starts
             ]
+            begun += self._extended(effect, begun)
             begun.sort(key=lambda ranked: -ranked.evidence)
             tried += begun[:1] + [ranked for ranked in begun[1:] if ranked.gain > self._worth]
             most = max([most, *(ranked.gain for ranked in begun)])
@@ -198,7 +200,9 @@ class Bank:
 
     def best_of(self, effect: Effect) -> Ranked | None:
         """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
-        return self._best_form(self.plans(effect))
+        tried = [self.fit(form, start) for form, starts in self.plans(effect) for start in starts]
+        tried += map(self._finished, self._extended(effect, tried))
+        return max(tried, key=lambda ranked: ranked.evidence, default=None)
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of the same closure in another recording; None where nothing is in sight there."""
@@ -234,6 +238,17 @@ class Bank:
             )
         return self._ranked(hypothesis, fit)
 
+    def _extended(self, effect: Effect, begun: Sequence[Ranked]) -> list[Ranked]:
+        """Begin the closures that extend one which has won something, each from the best of these."""
+        larger = []
+        for closure in effect.extending:
+            won = [r for r in begun if r.hypothesis.closure in closure.extends and r.gain > self._worth]
+            if won:
+                best = max(won, key=lambda r: r.gain)
+                form, start = beyond(self.prober, effect, closure, best.hypothesis, best.fit.values)
+                larger.append(self._begun(form, start))
+        return larger
+
     def _finished(self, ranked: Ranked) -> Ranked:
         """Fit the noise again, and the hypothesis at that noise; what has won nothing stays as it is."""
         if ranked.gain <= self._worth:
@@ -253,6 +268,8 @@ class Bank:
         how it is felt: a rough spot under the wheels that was begun under the body's middle lacked 575 units.
         """
         effect, best = registry()[ranked.name], ranked
+        if ranked.hypothesis.closure in {closure.name for closure in effect.extending}:
+            return ranked  # it goes on with those of a smaller one
         settled = {**ranked.hypothesis.held, **self._measured(effect)}
         for choice in effect.choices:
             full = f"{effect.name}.{choice.name}"

@@ -5,7 +5,8 @@ the base robot to within its noise. With a name such a finding can be modelled; 
 the encoders are left out, the base robot is fitted again, and what is left in the poses is asked the two questions
 that reveal a mismatch: does it depend on anything (`score_tests`), does a form without a name explain it
 (`form_test`)? A name, too, is believed only where the poses do not deny it: encoders whose stamps come late look like
-a play of 2 deg (67 units), which poses that would see it at once find 140 units less likely than none.
+a play of 2 deg (67 units), which poses that would see it at once find 140 units less likely than none. And where they
+speak for the strongest name by themselves it stands, whatever else is in its model.
 Assumes that whole poses are measured: where headings alone are, encoders are all that tells the way, and recordings
 without encoders have been judged by their poses already.
 """
@@ -28,6 +29,7 @@ from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.features import feature_groups
 from fsm_calib.diagnosis.shapes.score_tests import left_over, surprising
+from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 
 OF_POSES = np.array([True, True, True, False, False])  # forward, lateral, turn; not the wheels
@@ -78,11 +80,23 @@ class InPoses:
             return False
         base = self._base
         starts = (taken_over(base.values, effect, fit.values), fit.values)
-        return all(
-            base.log_likelihood - self._engine.fit(start, base.slots, base.noise).log_likelihood
-            > self.gates.detect
-            for start in starts
+        return all(self._gain(start) < -self.gates.detect for start in starts)
+
+    def affirm(self, fit: Fit, effect: str) -> bool:
+        """Return whether poses alone speak for an effect of the size that encoders and poses gave it.
+
+        As strongly as a name must be shown: a base robot that is re-fitted beside the effect alone is likelier by
+        `Gates.detect`. No form without a name need show it: an oval wheel that poses do not see turn is none of them.
+        """
+        return (
+            self._can_be_asked
+            and self._gain(taken_over(self._base.values, effect, fit.values)) > self.gates.detect
         )
+
+    def _gain(self, start: FloatArray) -> float:
+        """Return the log-likelihood of poses that a base robot wins which is re-fitted from parameters (R, p)."""
+        base = self._base
+        return self._engine.fit(start, base.slots, base.noise).log_likelihood - base.log_likelihood
 
 
 def _leaves_something(engine: Engine, base: Fit, gates: Gates) -> bool:

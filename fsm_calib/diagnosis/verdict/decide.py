@@ -81,8 +81,8 @@ class Judge:
             self.seconds[name] = self.seconds.get(name, 0.0) + perf_counter() - began
 
     def decide(self) -> Decision:
-        """Run the whole chain; what the encoders alone see is a match, unless one name explains all of it, or one that
-        only poses can show is among the names.
+        """Run the whole chain; what the encoders alone see is a match, unless one name explains all of it, one that
+        only poses can show is among the names, or poses speak for the strongest by themselves.
         """
         decision = self._answer()
         model = decision.model
@@ -92,7 +92,9 @@ class Judge:
             allowed = decision.outcome == "match" or (
                 witness is not None and not poses.deny(model.fit, witness)
             )
-            confirmed = allowed or poses.show(self.effects)
+            strongest = [belief.name for belief in decision.named[:1]]
+            affirmed = any(poses.affirm(model.fit, name) for name in strongest)
+            confirmed = allowed or affirmed or poses.show(self.effects)
         if confirmed:
             return decision
         if model.effects:

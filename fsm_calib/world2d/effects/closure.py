@@ -33,6 +33,9 @@ class Closure:
     refines : bool
         It makes the equation of the others more exact and says nothing of the name: a diagnosis tries it once the
         effect is in the model, not while names compete.
+    extends : tuple of str
+        Names of smaller closures of the effect: it is asked for where one of these wins something, and from where that
+        one's fit has ended. For closures of many numbers and choices, which would cost more than all others together.
     has_twin : callable, optional
         Takes the closure's numbers by name; whether something that is no effect of the catalogue does the very same
         with these. No drive tells the two apart, so that the name is even odds.
@@ -45,6 +48,7 @@ class Closure:
     source: str = ""
     fixes: Mapping[str, float] = field(default_factory=dict)
     refines: bool = False
+    extends: tuple[str, ...] = ()
     has_twin: Callable[[Mapping[str, float]], bool] | None = None
 
     def __post_init__(self) -> None:

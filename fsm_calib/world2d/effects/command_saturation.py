@@ -6,13 +6,13 @@ r"""Commands above a limit are cut.
     |V| <= voltage K                                    a supply that ends, behind a speed loop (`supply`)
 
 limit [1]: a setting of the kinematics node (`limit`, 0.1 to 1) or a supply that gives no more, softly with n = 4 / knee
-[1]: 4 as is usual, down to 2 where it gives way early. current [1]: the motor's largest force F [N] as a share of its
-stall force at full command, D K with the slope D [N s/m] of its torque-speed line and the gain K [m/s]: the speed is
-reached, but late, and a slope is climbed with less. voltage [1]: where the supply ends, as a share of the no-load speed
-at full command; on a robot that is told speeds (and has a weak battery) it also cuts what the loop adds to speed up,
-`loop` [1] being the loop's gain over the motor's slope. Null is 2 for all three: never reached. Sources: Duckietown
-kinematics_node.py; current regulation of H-bridges, e.g. TI DRV8871 data sheet, section 7.3.2; Astrom & Hagglund,
-Advanced PID Control, 2006, section 3.5.
+[1]: 4 as is usual, down to 2 where it gives way early; of both drivers, or of the one that limit_side tells. current
+[1]: the motor's largest force F [N] as a share of its stall force at full command, D K with the slope D [N s/m] of its
+torque-speed line and the gain K [m/s]: the speed is reached, but late, and a slope is climbed with less. voltage [1]:
+where the supply ends, as a share of the no-load speed at full command; on a robot that is told speeds (and has a weak
+battery) it also cuts what the loop adds to speed up, `loop` [1] being the loop's gain over the motor's slope. Null is 2
+for all three: never reached. Sources: Duckietown kinematics_node.py; current regulation of H-bridges, e.g. TI DRV8871
+data sheet, section 7.3.2; Astrom & Hagglund, Advanced PID Control, 2006, section 3.5.
 """
 
 from __future__ import annotations
@@ -26,12 +26,16 @@ from fsm_calib.world2d.supply import give_what_there_is
 
 NEVER = 2.0
 """Limit [1] that no command reaches."""
+OF_BOTH = {"limit_side": 0.0}
+"""Where no command is cut the side is told by nothing."""
 SOFTLY = "Commands beyond about {limit} give less and less more speed."
 
 
 @njit(error_model="numpy")
 def clip(P, o, u, side):
-    """Return the command cut to the limit."""
+    """Return the command cut to the limit, if it is this driver's."""
+    if P[o + 6] * (2 * side - 1) < 0.0:
+        return u
     if P[o + 1] > 0.0:
         power = 4.0 / P[o + 3]
         return u / (1.0 + abs(u / P[o]) ** power) ** (1.0 / power)
@@ -68,7 +72,7 @@ EFFECT = Effect(
     parameters=(
         Parameter(
             "limit", "u_max", "1", NEVER, 0.05, 2.0, 0.4, "kinematics node: limit 0.1 to 1",
-            starts=(0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.75, 0.9), step=1e-3,
+            starts=(0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.75, 0.9), step=1e-3,
         ),
         Parameter(
             "soft", "s", "1", 0.0, 0.0, 1.0, 0.0, "0 a hard limit, 1 a soft one", strength=False, fitted=False,
@@ -86,6 +90,10 @@ EFFECT = Effect(
         ),
         Parameter(
             "loop", "p", "1", 2.0, 0.0, 30.0, 2.0, "wheel speed loops: 0.5 to 10", strength=False, starts=(1.0, 4.0),
+        ),
+        Parameter(
+            "limit_side", "s", "1", 0.0, -1.0, 1.0, 0.0, "-1 the left motor's driver, 1 the right one's, 0 both",
+            strength=False, fitted=False, starts=(0.0, -1.0, 1.0), mirror="negate",
         ),
     ),
     hooks={"begin": end_supply, "shape": clip, "step": give_no_more},
@@ -108,12 +116,12 @@ EFFECT = Effect(
             sentence=SOFTLY,
         ),
         Closure(
-            "current limit", ("current",), "the driver limits the current: speeds are reached late",
+            "current limit", ("current",), "the driver limits the current: speeds are reached late", fixes=OF_BOTH,
             sentence="The motors give no more than {current} of their stall force.",
             source="TI DRV8871 data sheet, section 7.3.2",
         ),
         Closure(
-            "end of supply", ("voltage", "loop"), "a speed loop gets no more voltage than there is",
+            "end of supply", ("voltage", "loop"), "a speed loop gets no more voltage than there is", fixes=OF_BOTH,
             sentence="The motors' supply ends at {voltage} of the speed at full command.",
             source="Astrom & Hagglund 2006, section 3.5",
         ),

@@ -126,6 +126,10 @@ def _check_closures(effect: Effect) -> None:
                 raise UnknownNameError("choice", name, choices, where=where)
             if not effect.parameter(name).low <= value <= effect.parameter(name).high:
                 raise InputError(f"{name} is held at {value:g}, outside its bounds", where=where)
+        for name in closure.extends:
+            smaller = [other.name for other in effect.closures if not other.extends]
+            if name not in smaller:
+                raise UnknownNameError("closure", name, smaller, where=where)
         for name in re.findall(r"{(\w+)(?::[^}]*)?}", closure.sentence or effect.sentence):
             if name not in known:
                 raise UnknownNameError("parameter in the sentence", name, known, where=where)

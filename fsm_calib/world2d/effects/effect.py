@@ -146,8 +146,13 @@ class Effect:
 
     @property
     def competing(self) -> tuple[Closure, ...]:
-        """The closures that compete for a name: all but those that refine it."""
-        return tuple(closure for closure in self.closures if not closure.refines)
+        """The closures that compete for a name from the start: all but those that refine it or extend others."""
+        return tuple(closure for closure in self.closures if not closure.refines and not closure.extends)
+
+    @property
+    def extending(self) -> tuple[Closure, ...]:
+        """The closures that compete where a smaller one wins something."""
+        return tuple(closure for closure in self.closures if closure.extends)
 
     @property
     def refining(self) -> tuple[Closure, ...]:

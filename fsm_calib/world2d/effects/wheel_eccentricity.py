@@ -156,6 +156,14 @@ EFFECT = Effect(
             fixes={"lobes": 2.0},
             sentence="The right wheel is oval: its radius changes by {right} of itself twice a turn.",
         ),
+        Closure(
+            "both wheels oval",
+            ("left", "right", "phase_left", "phase_right"),
+            "both are longer than wide, each by its own share",
+            fixes={"lobes": 2.0},
+            extends=("left wheel oval", "right wheel oval"),
+            sentence="Both wheels are oval: their radii change by {left} (left) and {right} (right) twice a turn.",
+        ),
     ),
     order=58,
 )

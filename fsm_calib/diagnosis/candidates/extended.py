@@ -1,0 +1,50 @@
+"""Where a larger closure begins: at the fit of a smaller one of its effect that has won something.
+
+What the smaller one has found stays, its choices with it. Each further strength begins as large as those are, each
+further number at one of its declared starts, all of which are tried by simulation. (Both wheels of a robot oval: four
+numbers, seven paces and nine pairs of phases cost 2 s on every robot, and an eighth of that where one wheel is oval.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import product
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.starts import Prober, Start
+from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Closure, Effect
+from fsm_calib.world2d.parameters import parameter_table
+
+
+def beyond(
+    prober: Prober, effect: Effect, closure: Closure, smaller: Hypothesis, values: FloatArray
+) -> tuple[Hypothesis, Start]:
+    """Return a closure's hypothesis and its best start from `values` (R, p), where a smaller one's fit has ended."""
+    form = Hypothesis(effect.name, closure.frees, smaller.run, closure=closure.name)
+    tried = [with_values(values, choice, form.run) for choice in _further(effect, closure, smaller, values)]
+    starts = [Start(there, prober.gain(prober.columns(there))) for there in tried]
+    return form, max(starts, key=lambda start: start.promise)
+
+
+def _further(
+    effect: Effect, closure: Closure, smaller: Hypothesis, values: FloatArray
+) -> Iterable[dict[str, float]]:
+    """Yield the combinations of starts of what a closure frees beyond a smaller one, by full name."""
+    further = [effect.parameter(name) for name in closure.frees if name not in smaller.names]
+    size = _size(effect, smaller, values)
+    lists = [[p.null + size] if p.strength else [*(p.starts or (p.null,))] for p in further]
+    for choice in product(*lists):
+        yield {f"{effect.name}.{p.name}": value for p, value in zip(further, choice, strict=True)}
+
+
+def _size(effect: Effect, smaller: Hypothesis, values: FloatArray) -> float:
+    """Return how far the smaller closure's strengths are from null, in the mean."""
+    table = parameter_table()
+    strengths = [effect.parameter(name) for name in smaller.names if effect.parameter(name).strength]
+    return float(
+        np.mean([values[:, table.place(f"{effect.name}.{p.name}")].mean() - p.null for p in strengths])
+    )
