@@ -49,3 +49,14 @@ def test_it_is_named_with_its_drag_arm_and_trail():
     table, values = parameter_table(), decision.model.fit.values[0]
     found = [float(values[table.place(f"caster_drag.{n}")]) for n in ("drag", "arm", "trail")]
     assert found == pytest.approx([DRAG, ARM, TRAIL], rel=0.1)
+
+
+@pytest.mark.slow
+def test_one_that_kicks_as_well_is_named_with_its_trail():
+    built = {**BUILT, "caster_drag__drag": 0.15, "caster_drag__kick": 0.3}
+    decision = judged(("caster_drag", "tyre_scrub", "coulomb_friction", "motor_asymmetric_lag"), **built)
+    assert [b.name for b in decision.named] == ["caster_drag"]
+    assert decision.model.effects[0].hypothesis.closure == "swivelling wheel"
+    table, values = parameter_table(), decision.model.fit.values[0]
+    found = [float(values[table.place(f"caster_drag.{n}")]) for n in ("drag", "kick", "arm", "trail")]
+    assert found == pytest.approx([0.15, 0.3, ARM, TRAIL], rel=0.15)

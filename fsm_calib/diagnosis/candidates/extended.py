@@ -1,7 +1,8 @@
 """Where a larger closure begins: at the fit of a smaller one of its effect that has won something.
 
-What the smaller one has found stays, its choices with it. Each further strength begins as large as those are, each
-further number at one of its declared starts, all of which are tried by simulation. (Both wheels of a robot oval: four
+What the smaller one has found stays, its choices with it where the larger one does not hold them otherwise. Each
+further strength begins as large as those are, each further number at one of its declared starts, all of which are tried
+by simulation. (Both wheels of a robot oval: four
 numbers, seven paces and nine pairs of phases cost 2 s on every robot, and an eighth of that where one wheel is oval.)
 """
 
@@ -25,7 +26,8 @@ def beyond(
 ) -> tuple[Hypothesis, Start]:
     """Return a closure's hypothesis and its best start from `values` (R, p), where a smaller one's fit has ended."""
     form = Hypothesis(effect.name, closure.frees, smaller.run, closure=closure.name)
-    tried = [with_values(values, choice, form.run) for choice in _further(effect, closure, smaller, values)]
+    begun = with_values(values, form.held, form.run)
+    tried = [with_values(begun, choice, form.run) for choice in _further(effect, closure, smaller, values)]
     starts = [Start(there, prober.gain(prober.columns(there))) for there in tried]
     return form, max(starts, key=lambda start: start.promise)
 
@@ -36,9 +38,9 @@ def _further(
     """Yield the combinations of starts of what a closure frees beyond a smaller one, by full name."""
     further = [effect.parameter(name) for name in closure.frees if name not in smaller.names]
     size = _size(effect, smaller, values)
-    lists = [[p.null + size] if p.strength else [*(p.starts or (p.null,))] for p in further]
-    for choice in product(*lists):
-        yield {f"{effect.name}.{p.name}": value for p, value in zip(further, choice, strict=True)}
+    begun = [p for p in further if p.strength or p.starts]  # others stay where they are
+    for choice in product(*([p.null + size] if p.strength else p.starts for p in begun)):
+        yield {f"{effect.name}.{p.name}": value for p, value in zip(begun, choice, strict=True)}
 
 
 def _size(effect: Effect, smaller: Hypothesis, values: FloatArray) -> float:

@@ -239,10 +239,12 @@ class Bank:
         return self._ranked(hypothesis, fit)
 
     def _extended(self, effect: Effect, begun: Sequence[Ranked]) -> list[Ranked]:
-        """Begin the closures that extend one which has won something, each from the best of these."""
-        larger = []
+        """Begin the closures that extend one which has won something, here or in the parent, each from the best."""
+        larger, least = [], self._worth
+        if effect.name in parameter_table().active_effects(self.parent.values[0]):
+            least = -np.inf
         for closure in effect.extending:
-            won = [r for r in begun if r.hypothesis.closure in closure.extends and r.gain > self._worth]
+            won = [r for r in begun if r.hypothesis.closure in closure.extends and r.gain > least]
             if won:
                 best = max(won, key=lambda r: r.gain)
                 form, start = beyond(self.prober, effect, closure, best.hypothesis, best.fit.values)

@@ -168,6 +168,13 @@ EFFECT = Effect(
             fixes={"forked": 1.0},
         ),
         Closure("drag and kick", ("drag", "kick"), "with a kick when it swivels"),
+        Closure(
+            "swivelling wheel",
+            ("drag", "kick", "arm", "trail"),
+            "pulls along its fork, kicks across it, with an arm and a trail of its own",
+            fixes={"forked": 1.0},
+            extends=("drag and kick", "along its fork"),
+        ),
     ),
     memory=1,
     order=75,
