@@ -222,12 +222,15 @@ def answered(
     named: int,
     in_poses: bool,
     denied: bool = False,
+    affirmed: str = "",
     said: tuple[str, ...] = ("command_delay", "coulomb_friction"),
 ):
     """What the judge decides after this answer, where the poses alone show it or not; and how often they were asked."""
     asked: list[object] = []
     poses = SimpleNamespace(
-        show=lambda effects: asked.append(effects) or in_poses, deny=lambda fit, name: denied
+        show=lambda effects: asked.append(effects) or in_poses,
+        deny=lambda fit, name: denied,
+        affirm=lambda fit, name: name == affirmed,
     )
     monkeypatch.setattr(decide, "InPoses", lambda simulators, gates: poses)
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
@@ -276,6 +279,16 @@ def test_one_sure_name_that_the_poses_deny_and_that_they_do_not_show_is_a_match(
 ) -> None:
     _, decision, asked = answered(monkeypatch, "explained", 1, 1, False, denied=True)
     assert (decision.outcome, decision.named, asked) == ("match", (), 1)
+
+
+def test_an_answer_stands_where_the_poses_speak_for_its_strongest_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    answer, decision, asked = answered(monkeypatch, "explained", 2, 2, False, affirmed="command_delay")
+    assert decision is answer
+    assert asked == 0
+    weaker = answered(monkeypatch, "explained", 2, 2, False, affirmed="coulomb_friction")[1]
+    assert weaker.outcome == "match"
 
 
 def test_what_the_encoders_alone_see_is_a_match_of_the_bare_robot(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -93,8 +93,11 @@ class Judge:
                 witness is not None and not poses.deny(model.fit, witness)
             )
             strongest = [belief.name for belief in decision.named[:1]]
-            affirmed = any(poses.affirm(model.fit, name) for name in strongest)
-            confirmed = allowed or affirmed or poses.show(self.effects)
+            confirmed = (
+                allowed
+                or any(poses.affirm(model.fit, name) for name in strongest)
+                or poses.show(self.effects)
+            )
         if confirmed:
             return decision
         if model.effects:
