@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, judged, recording, robot
+from diagnosis_robots import engine_of, fitted_number, judged, recording, robot
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive, simulate
 
 DRAG, ARM, TRAIL = 0.25, 0.075, 0.3  # N, m, over the arm
@@ -49,8 +48,7 @@ def test_it_is_named_with_its_drag_arm_and_trail():
     decision = judged(("caster_drag", "tyre_scrub", "coulomb_friction", "motor_asymmetric_lag"), **BUILT)
     assert [b.name for b in decision.named] == ["caster_drag"]
     assert decision.model.effects[0].hypothesis.closure == "along its fork"
-    table, values = parameter_table(), decision.model.fit.values[0]
-    found = [float(values[table.place(f"caster_drag.{n}")]) for n in ("drag", "arm", "trail")]
+    found = [fitted_number(decision.model.fit, f"caster_drag.{n}") for n in ("drag", "arm", "trail")]
     assert found == pytest.approx([DRAG, ARM, TRAIL], rel=0.1)
 
 
@@ -59,6 +57,5 @@ def test_one_that_kicks_as_well_is_found_with_its_trail():
     engine = engine_of(*(recording(seed, **built) for seed in (0, 1)))
     best = Bank.on(engine, fit_base(engine)).best_of(registry()["caster_drag"])
     assert best.hypothesis.closure == "swivelling wheel"
-    table, values = parameter_table(), best.fit.values[0]
-    found = [float(values[table.place(f"caster_drag.{n}")]) for n in ("drag", "kick", "arm", "trail")]
+    found = [fitted_number(best.fit, f"caster_drag.{n}") for n in ("drag", "kick", "arm", "trail")]
     assert found == pytest.approx([0.15, 0.3, ARM, TRAIL], rel=0.15)

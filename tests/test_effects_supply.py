@@ -5,9 +5,7 @@ from functools import partial
 import diagnosis_robots
 import numpy as np
 import pytest
-from diagnosis_robots import judged
-
-from fsm_calib.world2d.parameters import parameter_table
+from diagnosis_robots import fitted_number, judged
 
 GAIN, LAG, VOLTAGE, LOOP = 0.6, 0.1, 0.5, 3.0
 ENDING = {"command_saturation__voltage": VOLTAGE, "command_saturation__loop": LOOP}
@@ -59,8 +57,7 @@ def test_it_is_named_with_where_the_supply_ends():
     decision = judged(names, command_saturation__voltage=0.4, command_saturation__loop=LOOP)
     assert [b.name for b in decision.named] == ["command_saturation"]
     assert decision.model.effects[0].hypothesis.closure == "end of supply"
-    table, values = parameter_table(), decision.model.fit.values[0]
-    found = [float(values[table.place(f"command_saturation.{n}")]) for n in ("voltage", "loop")]
+    found = [fitted_number(decision.model.fit, f"command_saturation.{n}") for n in ("voltage", "loop")]
     assert found == pytest.approx([0.4, LOOP], rel=0.1)
 
 
@@ -69,6 +66,5 @@ def test_a_limit_of_one_driver_is_found_on_its_side(side):
     names = ("command_saturation", "motor_gain_curve", "motor_deadband", "motor_fault")
     decision = judged(names, command_saturation__limit=0.4, command_saturation__limit_side=side)
     assert [b.name for b in decision.named] == ["command_saturation"]
-    table, values = parameter_table(), decision.model.fit.values[0]
-    found = [float(values[table.place(f"command_saturation.{n}")]) for n in ("limit", "limit_side")]
+    found = [fitted_number(decision.model.fit, f"command_saturation.{n}") for n in ("limit", "limit_side")]
     assert found == pytest.approx([0.4, side], rel=0.02)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from diagnosis_robots import engine_of, with_encoders
+from diagnosis_robots import engine_of, fitted_number, with_encoders
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
@@ -11,7 +11,6 @@ from fsm_calib.errors import UnknownNameError
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.effects.closure import Closure
 from fsm_calib.world2d.effects.declaration import check_declaration
-from fsm_calib.world2d.parameters import parameter_table
 
 NAME, BOTH = "wheel_eccentricity", "both wheels oval"
 OVAL = {"left": 0.04, "right": 0.03, "phase_left": 0.5, "phase_right": 3.0, "lobes": 2.0}
@@ -27,8 +26,7 @@ def ranked(**numbers):
 def test_both_wheels_oval_are_found_with_both_shares():
     best = ranked(**OVAL)
     assert best.hypothesis.closure == BOTH
-    table, values = parameter_table(), best.fit.values[0]
-    found = [float(values[table.place(f"{NAME}.{side}")]) for side in ("left", "right")]
+    found = [fitted_number(best.fit, f"{NAME}.{side}") for side in ("left", "right")]
     assert found == pytest.approx([OVAL["left"], OVAL["right"]], rel=0.1)
 
 

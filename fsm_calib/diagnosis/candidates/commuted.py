@@ -27,7 +27,7 @@ def commuted(fit: Fit, effect: str) -> FloatArray | None:
     none, or nothing would change.
     """
     table, here = parameter_table(), fit.slot_values()
-    low, high = np.array([(slot.low, slot.high) for slot in fit.slots]).T
+    low, high = fit.slot_bounds()
     places = [slot.place for slot in fit.slots]
     filters = np.array([table.owner[p] == effect and table.entries[p].in_series for p in places])
     motors = np.array([table.names[p] in OF_THE_MOTORS for p in places])

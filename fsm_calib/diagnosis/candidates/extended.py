@@ -2,8 +2,8 @@
 
 What the smaller one has found stays, its choices with it where the larger one does not hold them otherwise. Each
 further strength begins as large as those are, each further number at one of its declared starts, all of which are tried
-by simulation. (Both wheels of a robot oval: four
-numbers, seven paces and nine pairs of phases cost 2 s on every robot, and an eighth of that where one wheel is oval.)
+by simulation. (Both wheels of a robot oval: four numbers, seven paces and nine pairs of phases would cost every robot
+some 2 s.)
 """
 
 from __future__ import annotations

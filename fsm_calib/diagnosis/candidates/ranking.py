@@ -63,6 +63,11 @@ def evidence_of(fit: Fit, parent: Fit, count: int) -> float:
     return 2.0 * (fit.score - parent.score) - extra * float(np.log(count))
 
 
+def _best(tried: Iterable[Ranked]) -> Ranked | None:
+    """Return the one with the most evidence; None where there is none."""
+    return max(tried, key=lambda ranked: ranked.evidence, default=None)
+
+
 @dataclass(frozen=True, eq=False)
 class Bank:
     """Fits hypotheses on top of a parent fit (the base robot, or a model that already has an effect).
@@ -200,20 +205,19 @@ class Bank:
 
     def best_of(self, effect: Effect) -> Ranked | None:
         """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
-        tried = [self.fit(form, start) for form, starts in self.plans(effect) for start in starts]
-        tried += map(self._finished, self._extended(effect, tried))
-        return max(tried, key=lambda ranked: ranked.evidence, default=None)
+        tried = self._fitted(self.plans(effect))
+        return _best([*tried, *map(self._finished, self._extended(effect, tried))])
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of the same closure in another recording; None where nothing is in sight there."""
         effect = registry()[event.effect]
         plans = self._scanned(effect, self.scanner.candidates(effect))
-        return self._best_form([p for p in plans if (p[0].run, p[0].closure) == (run, event.closure)])
+        asked = [p for p in plans if (p[0].run, p[0].closure) == (run, event.closure)]
+        return _best(self._fitted(asked))
 
-    def _best_form(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> Ranked | None:
-        """Return the form with the most evidence, fitted from all its starts; None where there is none to try."""
-        tried = [self.fit(form, start) for form, starts in plans for start in starts]
-        return max(tried, key=lambda ranked: ranked.evidence, default=None)
+    def _fitted(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> list[Ranked]:
+        """Return every form, fitted from each of its starts."""
+        return [self.fit(form, start) for form, starts in plans for start in starts]
 
     def _begun(self, hypothesis: Hypothesis, start: Start, worth: float = 0.0) -> Ranked:
         """Fit one hypothesis at the parent's noise; what does not get near the gain `worth` is given up early."""

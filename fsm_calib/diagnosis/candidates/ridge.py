@@ -39,7 +39,7 @@ def beyond_the_ridge(engine: Engine, fit: Fit, effect: str) -> FloatArray | None
 def _along(fit: Fit, effect: str) -> FloatArray:
     """Return the free numbers (k, m) at every share along the ridge of every strength, inside their bounds."""
     table, here, points = parameter_table(), fit.slot_values(), []
-    low, high = np.array([(slot.low, slot.high) for slot in fit.slots]).T
+    low, high = fit.slot_bounds()
     for s, slot in enumerate(fit.slots):
         variance = float(fit.covariance[s, s])
         is_strength = table.owner[slot.place] == effect and table.entries[slot.place].strength

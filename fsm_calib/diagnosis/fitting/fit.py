@@ -76,6 +76,10 @@ class Fit:
         """Return the current numbers in the slots, shape (m,)."""
         return slot_numbers(self.values, self.slots)
 
+    def slot_bounds(self) -> FloatArray:
+        """Return the lowest and the highest numbers that the slots may have, shape (2, m)."""
+        return np.array([(slot.low, slot.high) for slot in self.slots]).T
+
     def numbers(self) -> Iterator[tuple[Slot, float, float]]:
         """Yield each slot with its number and the variance of it."""
         variances = np.diagonal(self.covariance)

@@ -22,6 +22,7 @@ from numba import njit
 
 from fsm_calib.world2d.dynamics import GAIN
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.wheels import is_the_others, of_one_driver_or_both
 from fsm_calib.world2d.slots import CEILING, DRIVE, HELD, LOOP_GAIN, RIM, TARGET
 from fsm_calib.world2d.supply import give_what_there_is
 
@@ -35,7 +36,7 @@ SOFTLY = "Commands beyond about {limit} give less and less more speed."
 @njit(error_model="numpy")
 def clip(P, o, u, side):
     """Return the command cut to the limit, if it is this driver's."""
-    if P[o + 6] * (2 * side - 1) < 0.0:
+    if is_the_others(P[o + 6], side):
         return u
     if P[o + 1] > 0.0:
         power = 4.0 / P[o + 3]
@@ -92,10 +93,7 @@ EFFECT = Effect(
         Parameter(
             "loop", "p", "1", 2.0, 0.0, 30.0, 2.0, "wheel speed loops: 0.5 to 10", strength=False, starts=(1.0, 4.0),
         ),
-        Parameter(
-            "limit_side", "s", "1", 0.0, -1.0, 1.0, 0.0, "-1 the left motor's driver, 1 the right one's, 0 both",
-            strength=False, fitted=False, starts=(0.0, -1.0, 1.0), mirror="negate",
-        ),
+        of_one_driver_or_both("limit_side", "d"),
     ),
     hooks={"begin": end_supply, "shape": clip, "step": give_no_more},
     channels=("forward", "turn"),

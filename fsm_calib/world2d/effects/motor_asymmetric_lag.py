@@ -10,10 +10,9 @@ be one motor's alone (r_l, r_r). The change is spread over 1 cm/s around standst
 let its output follow the command with a time constant upwards (rise [s]), downwards (fall [s]) or both ways (a filter
 of set points): then the motor's own lag comes on top. Or it limits by how much the output may change in a second:
 ramp [s2/m] is the time for each m/s. Either is of both motors or of the one that ramp_side tells; a filter may have
-a time constant of its own on each side, both ways (lag_l, lag_r [s]). Sources: H-bridge
-decay modes, e.g. TI DRV8833 data sheet, section 7.3.2; acceleration and deceleration ramps, e.g. Roboteq Controllers
-User Manual v2.1, "Acceleration and Deceleration"; a first-order filter of set points, Astrom & Hagglund, Advanced PID
-Control, 2006, section 5.3.
+a time constant of its own on each side, both ways (lag_l, lag_r [s]). Sources: H-bridge decay modes, e.g. TI DRV8833
+data sheet, section 7.3.2; acceleration and deceleration ramps, e.g. Roboteq Controllers User Manual v2.1, "Acceleration
+and Deceleration"; a first-order filter of set points, Astrom & Hagglund, Advanced PID Control, 2006, section 5.3.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.effects.wheels import of_each_wheel
+from fsm_calib.world2d.effects.wheels import is_the_others, of_each_wheel, of_one_driver_or_both
 from fsm_calib.world2d.slots import DRIVE, RIM, STEP, TARGET
 
 OF_BOTH = {"ramp_side": 0.0}
@@ -90,7 +89,7 @@ def brake(P, o, S, m, W):
     limited = P[o + 5] > 0.0 or P[o + 6] > 0.0
     for side in range(2):
         before, wanted = S[m + side], W[TARGET + side]
-        if P[o + 7] * (2 * side - 1) < 0.0:
+        if is_the_others(P[o + 7], side):
             S[m + side] = wanted
         elif limited:
             W[TARGET + side], S[m + side] = ramped(before, wanted, P[o + 5], P[o + 6], W[STEP])
@@ -145,20 +144,7 @@ EFFECT = Effect(
         _ramp("fall", "tau_d"),
         _limit("up", "b_u"),
         _limit("down", "b_d"),
-        Parameter(
-            "ramp_side",
-            "s",
-            "1",
-            0.0,
-            -1.0,
-            1.0,
-            0.0,
-            "-1 the left motor's driver, 1 the right one's, 0 both",
-            strength=False,
-            fitted=False,
-            starts=(0.0, -1.0, 1.0),
-            mirror="negate",
-        ),
+        of_one_driver_or_both("ramp_side", "s"),
         *of_each_wheel(_ramp("lag", "tau")),
     ),
     hooks={"step": brake},

@@ -6,8 +6,8 @@ omega [rad/s] yaw rate, w [m/s] rim speeds, b [m] the stated distance of left an
 treads have their own instantaneous centre of rotation on the floor, outside the wheels; its distance over half the
 track is 1 + stretch, 1.3 to 2.5 on real robots, and nearly constant on one floor. Two-wheeled robots have none of it,
 and those that have it have no caster, and no side slip to be named beside it: that treads slide sideways is what skid
-steering is. Only measured wheels tell it from motors that answer each other's commands: both
-scale all turning by one factor.
+steering is. Only measured wheels tell it from motors that answer each other's commands: both scale all turning by one
+factor.
 
 Soft treads and belts wind up before they turn the body: a difference of the wheels' speeds reaches it through a lag,
 
