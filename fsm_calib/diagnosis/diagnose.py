@@ -11,6 +11,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.jitter import jitter_told
 from fsm_calib.diagnosis.candidates.speed_loop import loop_told
 from fsm_calib.diagnosis.candidates.stiffness import stiffness_told
+from fsm_calib.diagnosis.candidates.supply_end import supply_told
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
@@ -97,6 +98,7 @@ def diagnose(
         *taken.notes,
         *at_bounds(decision.base),
         *loop_told(decision.model.fit),
+        *supply_told(decision.model.fit),
         *stiffness_told(decision.model.fit),
         *charges_told(decision.model.fit),
         *jitter_told(decision.model.fit),

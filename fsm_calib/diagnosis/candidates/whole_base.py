@@ -8,6 +8,7 @@ from fsm_calib.diagnosis.candidates.charge import with_charges
 from fsm_calib.diagnosis.candidates.jitter import with_jitter
 from fsm_calib.diagnosis.candidates.speed_loop import with_speed_loop
 from fsm_calib.diagnosis.candidates.stiffness import with_stiffness
+from fsm_calib.diagnosis.candidates.supply_end import with_supply_end
 from fsm_calib.diagnosis.candidates.tyre_grip import with_tyres
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -20,6 +21,7 @@ def fit_whole_base(engine: Engine, effects: Sequence[Effect]) -> Fit:
     if engine.simulators[0].measured_input:
         return base
     lasting = [e for e in effects if not e.scan]
-    held = with_jitter(engine, with_speed_loop(engine, base, lasting))
+    looped = with_supply_end(engine, with_speed_loop(engine, base, lasting), lasting)
+    held = with_jitter(engine, looped)
     charged = with_charges(engine, with_stiffness(engine, held, lasting), lasting)
     return with_tyres(engine, charged, [e for e in effects if e.scan == "place"])

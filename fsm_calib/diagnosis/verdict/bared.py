@@ -14,6 +14,7 @@ from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
 from fsm_calib.diagnosis.candidates.speed_loop import HOLD, with_speed_loop
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, with_stiffness
+from fsm_calib.diagnosis.candidates.supply_end import CEILING, with_supply_end
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.world2d.effects import Effect
@@ -21,7 +22,11 @@ from fsm_calib.world2d.effects import Effect
 Found = tuple[Selector, Bank, list[Ranked]]
 Freeing = Callable[[Engine, Fit, Iterable[Effect]], Fit]
 
-NUMBERS: tuple[tuple[str, Freeing], ...] = ((HOLD, with_speed_loop), (STIFFNESS, with_stiffness))
+NUMBERS: tuple[tuple[str, Freeing], ...] = (
+    (HOLD, with_speed_loop),
+    (CEILING, with_supply_end),
+    (STIFFNESS, with_stiffness),
+)
 """Numbers of the base robot: full name, and what sets it free where the recordings ask for it."""
 
 

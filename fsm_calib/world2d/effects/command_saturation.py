@@ -22,12 +22,11 @@ from numba import njit
 
 from fsm_calib.world2d.dynamics import GAIN
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.speed_loop import AMPLE, NEVER, gain_of_the_loop
 from fsm_calib.world2d.effects.wheels import is_the_others, of_one_driver_or_both
-from fsm_calib.world2d.slots import CEILING, DRIVE, HELD, LOOP_GAIN, RIM, TARGET
-from fsm_calib.world2d.supply import give_what_there_is
+from fsm_calib.world2d.slots import CEILING, DRIVE, HELD, RIM, TARGET
+from fsm_calib.world2d.supply import end_at, give_what_there_is
 
-NEVER = 2.0
-"""Limit [1] that no command reaches."""
 OF_BOTH = {"limit_side": 0.0}
 """Where no command is cut the side is told by nothing."""
 SOFTLY = "Commands beyond about {limit} give less and less more speed."
@@ -48,9 +47,7 @@ def clip(P, o, u, side):
 def end_supply(P, o, W):
     """Tell where the supply ends, if it does."""
     if P[o + 4] < NEVER:
-        W[LOOP_GAIN] = P[o + 5]
-        for side in range(2):
-            W[CEILING + side] = P[o + 4] * P[GAIN + side]
+        end_at(P, W, P[o + 4], P[o + 5])
 
 
 @njit(error_model="numpy")
@@ -60,7 +57,7 @@ def give_no_more(P, o, S, m, W):
     """
     for side in range(2):
         if W[CEILING + side] > 0.0 and W[HELD] == 0.0:
-            give_what_there_is(S, W, side)
+            give_what_there_is(S, W, side, m)
         short, most = abs(W[TARGET + side] - S[RIM + side]), P[o + 2] * P[GAIN + side]
         if short > most:
             W[DRIVE + side] *= most / short
@@ -88,14 +85,13 @@ EFFECT = Effect(
         ),
         Parameter(
             "voltage", "v_max", "1", NEVER, 0.05, 2.0, 2.0, "batteries lose a tenth to a third of their voltage",
-            starts=(0.3, 0.45, 0.6, 0.75, 0.9), step=1e-3, least=NEVER - 1.0,
+            starts=(0.3, 0.45, 0.6, 0.75, 0.9, 1.0), step=1e-3, least=NEVER - AMPLE,
         ),
-        Parameter(
-            "loop", "p", "1", 2.0, 0.0, 30.0, 2.0, "wheel speed loops: 0.5 to 10", strength=False, starts=(1.0, 4.0),
-        ),
+        gain_of_the_loop("loop", "p"),
         of_one_driver_or_both("limit_side", "d"),
     ),
     hooks={"begin": end_supply, "shape": clip, "step": give_no_more},
+    memory=2,
     channels=("forward", "turn"),
     regimes=("large_command",),
     separates="commands below the limit are untouched, those above all give the same speed",

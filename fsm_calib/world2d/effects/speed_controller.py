@@ -9,13 +9,14 @@ acts at once. With a motor F = D_m (duty w_0 - w), w_0 its free speed, and a con
 i / (1 + p), weight = (c + p) / (1 + p): the stiffness goes into its time constants, the integral remains. It overshoots
 after each step of the set point, and no lasting load slows the wheels down: friction, slopes and drag show for a moment
 only. Where a wheel that is told to rest is slower than `STILL`, the integral dies away within the time let_go [s] (over
-1 - |w| / STILL, so that nothing jumps), as firmware lets its motors go so that nothing creeps (assumed). Where the
-supply ends (`command_saturation`) the integral grows no further (Astrom & Hagglund, Advanced PID Control, 2006,
-section 3.5); else no limit of the voltage is met. The integral's memory is a way: z = hold (the way asked for - the way
-rolled).
+1 - |w| / STILL, so that nothing jumps), as firmware lets its motors go so that nothing creeps (assumed). The
+supply ends at `ceiling` [1] of the no-load speed at full command (2: never), which cuts what a loop of the gain loop =
+p [1] adds to speed up (`world2d.supply`); there the integral grows no further (Astrom & Hagglund, Advanced PID Control,
+2006, section 3.5). Below 1 set points are out of reach, which is a finding (`command_saturation`). The integral's
+memory is a way: z = hold (the way asked for - the way rolled).
 
 Robots that are told velocities (ROS) have one; those that are told duties (a Duckiebot) have none. It is how a robot is
-built, not what is wrong with it: of the base family, set free by `diagnosis.candidates.speed_loop`.
+built, not what is wrong with it: of the base family, set free by `diagnosis.candidates.speed_loop` and `supply_end`.
 Source: Astrom & Murray, Feedback Systems, 2nd ed. 2021, sections 11.1 and 11.5 (weights of the set point).
 """
 
@@ -26,8 +27,9 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Effect, Parameter
+from fsm_calib.world2d.effects.speed_loop import NEVER, gain_of_the_loop
 from fsm_calib.world2d.slots import ANGLE, CEILING, HELD, RADIUS, RIM, STEP, TARGET
-from fsm_calib.world2d.supply import give_what_there_is
+from fsm_calib.world2d.supply import end_at, give_what_there_is
 
 STILL, REST = 0.01, 1e-5
 """A wheel that is slower than the one [m/s] stands, one that is told less than the other is told to rest (assumed)."""
@@ -35,8 +37,10 @@ STILL, REST = 0.01, 1e-5
 
 @njit(error_model="numpy")
 def take_hold(P, o, W):
-    """Tell that a controller holds the speeds."""
+    """Tell that a controller holds the speeds, and where its supply ends if no weaker one was told of before."""
     W[HELD] = 1.0
+    if P[o + 3] < NEVER and W[CEILING] == 0.0:
+        end_at(P, W, P[o + 3], P[o + 4])
 
 
 @njit(error_model="numpy")
@@ -51,8 +55,8 @@ def hold_speed(P, o, S, m, W):
             S[way] = rolled + (S[way] - rolled) * math.exp(-step * rate)
         W[TARGET + side] = P[o + 1] * wanted + hold * (S[way] - rolled + 0.5 * step * (wanted - rim))
         grows = (wanted - rim) * (W[TARGET + side] - rim) > 0.0
-        stays = W[CEILING + side] > 0.0 and give_what_there_is(S, W, side) and grows
-        S[way] += step * (rim if stays else wanted)
+        stays = give_what_there_is(S, W, side, m + 2) if W[CEILING + side] > 0.0 else 0.0
+        S[way] += step * (wanted + stays * (rim - wanted) if grows else wanted)
 
 
 EFFECT = Effect(
@@ -71,9 +75,14 @@ EFFECT = Effect(
             "let_go", "t_0", "s", 0.05, 0.001, 1000.0, 0.05, "assumed; firmware lets its motors go soon after a stop",
             strength=False, fitted=False,
         ),
+        Parameter(
+            "ceiling", "v_max", "1", NEVER, 0.05, 2.0, 2.0, "motors have a tenth to a half more than is asked of them",
+            strength=False, starts=(1.3, 1.1), step=1e-3,
+        ),
+        gain_of_the_loop("loop", "p"),
     ),
     hooks={"begin": take_hold, "step": hold_speed},
-    memory=2,
+    memory=4,
     channels=("forward", "turn"),
     regimes=("transient", "starting", "stopping"),
     separates="the wheels overshoot after each step of the command, and no lasting load slows them down",
