@@ -194,6 +194,21 @@ def test_a_slippery_spot_is_found_from_anywhere_on_the_floor(slippery):
     assert best.promise > 20.0
 
 
+def on_wide_wheels(seed, **changes):
+    drive = recording(seed, axle_length=0.45, **changes)
+    return replace(drive, robot=replace(drive.robot, axle_length=0.45))
+
+
+def test_a_spot_that_one_wheel_of_a_large_robot_is_in_at_a_time_is_found_there():
+    numbers = {"low_friction_patch__loss": 0.75, "low_friction_patch__x": 0.3, "low_friction_patch__y": 0.1}
+    bank = bank_of(*(on_wide_wheels(s, low_friction_patch__radius=0.3, **numbers) for s in (0, 1)))
+    best, *others = bank.scanner.slippery_areas(registry()["low_friction_patch"])
+    x, y = (best.changes[f"low_friction_patch.{name}"] for name in ("x", "y"))
+    assert np.hypot(x - 0.3, y - 0.1) < 0.2
+    assert best.changes["low_friction_patch.spread"] == 1.0
+    assert best.promise > 10.0 * max(other.promise for other in others)
+
+
 def test_a_slippery_spot_is_fitted_from_there(slippery):
     found = fitted(slippery, "low_friction_patch")
     assert found["loss"] == pytest.approx(PATCH["loss"], abs=0.1)

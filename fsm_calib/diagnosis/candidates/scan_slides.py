@@ -3,13 +3,18 @@
 A slide has no useful derivative: to first order in the loss of grip nothing happens, until the tyres let go. So spots
 are simulated. Their likelihood is flat in the centre (a robot that slides 0.1 m earlier ends up much alike) but steep
 in the grip: a spot that is too slippery sends the robot far off and looks worse than none, one that is not slippery
-enough wins part. So a firm and a loose grip are tried at a coarse pitch, more of both about the best.
+enough wins part. So a firm and a loose grip are tried at a coarse pitch, more of both about the best; and a grip that
+is just too little for what the robot asks of its tyres there, g mu = max |a| over a passage, since a slide of heavy
+robots is worth 200 units of log-likelihood at 0.85 of it, 10 at 1.5 of it and minus 300 at 0.65 (spots of 0.6 m under
+carts of another engine). A robot whose wheels stand further apart than a spot reaches has one wheel in it at a time.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,12 +25,17 @@ from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.shapes.score_tests import Residual, winnings
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.dynamics import AXLE
 from fsm_calib.world2d.effects import Effect
+from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.slots import GRAVITY
 
 RADIUS = 0.25  # m: half of a small robot's turn
 RADII = (0.18, 0.3, 0.37)  # m, tried where a spot of the usual radius does best
 FIRST_LOSSES = (0.5, 0.78)  # tried everywhere
 LOSSES = (0.5, 0.65, 0.78, 0.88)  # grips of a half to an eighth, tried where the first promise most
+FIRST_SHARES, SHARES = (0.87,), (0.97, 0.87, 0.75)  # the same of what the tyres are asked for there
+LARGE = 1.2  # size from which on a spot is felt under each wheel
 APART = 0.18  # m between the centres of two spots that are kept
 KEPT = 3
 LOOKED_AT = 12  # centres whose neighbours are tried, too
@@ -45,24 +55,50 @@ class Slides:
     passages: list[Passages]
     size: float = 1.0
 
+    @cached_property
+    def demand(self) -> list[FloatArray]:
+        """Friction coefficient (n,) [1] that the parent's motion asks of its tyres at each event of each recording."""
+        return [_demand(p) for p in self.passages]
+
+    @cached_property
+    def grip(self) -> float:
+        """Friction coefficient [1] of the parent's tyres."""
+        return float(self.parent.values[0, parameter_table().place("friction")])
+
+    @property
+    def radius(self) -> float:
+        """The usual radius of a spot [m]: those that matter to larger robots are larger, but not in proportion."""
+        return RADIUS * math.sqrt(self.size)
+
     def best(self, centres: FloatArray) -> list[tuple[Spot, float]]:
         """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win."""
         cells = np.round(centres / (self.size * PITCH) - 0.5).astype(int)
         coarse: FloatArray = centres[cells.sum(axis=1) % 2 == 0]
         promise: FloatArray = np.array(
-            [self.promises(at, self.size * RADIUS, FIRST_LOSSES).max() for at in coarse]
+            [
+                self.promises(at, self.radius, self._losses(at, FIRST_LOSSES, FIRST_SHARES)).max()
+                for at in coarse
+            ]
         )
         near = apart(promise, coarse, LOOKED_AT, self.size * APART)
         tried: FloatArray = np.unique(
             np.round(np.vstack([_about(coarse[i], self.size * PITCH) for i in near]), 6), axis=0
         )
-        promises = np.array([self.promises(at, self.size * RADIUS, LOSSES) for at in tried])
+        losses = [self._losses(at, LOSSES, SHARES) for at in tried]
+        promises = np.array(
+            [self.promises(at, self.radius, some) for at, some in zip(tried, losses, strict=True)]
+        )
         most: FloatArray = promises.max(axis=1)
         kept = apart(most, tried, KEPT, self.size * APART)
-        return [
-            self._of_best_radius(tried[i], LOSSES[int(np.argmax(promises[i]))], promises[i].max())
-            for i in kept
-        ]
+        return [self._of_best_radius(tried[i], losses[i][int(np.argmax(promises[i]))], most[i]) for i in kept]
+
+    def _losses(self, at: FloatArray, firm: Sequence[float], shares: Sequence[float]) -> list[float]:
+        """Return losses of grip to be tried at a place: some for all, some by what is asked of the tyres there."""
+        asked = max(
+            float(demand[p.inside(float(at[0]), float(at[1]), self.radius)].max(initial=0.0))
+            for p, demand in zip(self.passages, self.demand, strict=True)
+        )
+        return [*firm, *(max(0.0, 1.0 - share * asked / self.grip) for share in shares)]
 
     def promises(self, at: FloatArray, radius: float, losses: Sequence[float]) -> FloatArray:
         """Return the log-likelihood (m,) that a spot wins with each loss of grip."""
@@ -77,14 +113,23 @@ class Slides:
         return winnings(self.residual, self.residual.engine.white_columns(self.residual.whiteners, columns))
 
     def _of_best_radius(self, at: FloatArray, loss: float, promise: float) -> tuple[Spot, float]:
-        radii = [self.size * radius for radius in RADII]
+        radii = [math.sqrt(self.size) * radius for radius in RADII]
         promises = [float(promise), *(float(self.promises(at, radius, (loss,))[0]) for radius in radii)]
         best = int(np.argmax(promises))
-        return self._spot(at, (self.size * RADIUS, *radii)[best], loss), promises[best]
+        return self._spot(at, (self.radius, *radii)[best], loss), promises[best]
 
     def _spot(self, at: FloatArray, radius: float, loss: float) -> Spot:
-        acting = {f"{self.effect.name}.spread": 0.0, f"{self.effect.name}.loss": loss}
+        spread = 1.0 if self.size > LARGE else 0.0
+        acting = {f"{self.effect.name}.spread": spread, f"{self.effect.name}.loss": loss}
         return Area(float(at[0]), float(at[1]), radius, radius).numbers(self.effect) | acting
+
+
+def _demand(passages: Passages) -> FloatArray:
+    """Return what the tyres are asked for (n,) [1]: the larger acceleration of both axle ends over that of gravity."""
+    time, twist, half = passages.simulator.prepared.time, passages.twist, 0.5 * float(passages.values[AXLE])
+    ahead, spin = np.gradient(twist[:, 0], time), np.gradient(twist[:, 2], time)
+    asked: FloatArray = np.hypot(np.abs(ahead) + half * np.abs(spin), twist[:, 0] * twist[:, 2]) / GRAVITY
+    return asked
 
 
 def _about(at: FloatArray, pitch: float) -> FloatArray:

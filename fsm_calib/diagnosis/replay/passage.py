@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsm_calib.diagnosis.replay.simulator import GRID_STEP, Simulator
 from fsm_calib.types import FloatArray
@@ -46,10 +47,14 @@ class Passages:
             track = np.column_stack([track, rolled_angles(track, values)])
         return cls(simulator, values, simulated[:, :3] / dt, track)
 
+    def inside(self, x: float, y: float, reach: float) -> NDArray[np.int64]:
+        """Return the events (k,) within `reach` [m] of a point [m]."""
+        reference = self.simulator.prepared.reference
+        return np.flatnonzero(np.hypot(reference[:, 0] - x, reference[:, 1] - y) < reach)
+
     def near(self, x: float, y: float, reach: float) -> list[tuple[int, int]]:
         """Return first and last event of every passage within `reach` [m] of a point [m]."""
-        p = self.simulator.prepared
-        inside = np.flatnonzero(np.hypot(p.reference[:, 0] - x, p.reference[:, 1] - y) < reach)
+        p, inside = self.simulator.prepared, self.inside(x, y, reach)
         if not len(inside):
             return []
         time = p.time[inside]
