@@ -26,6 +26,7 @@ from fsm_calib.diagnosis.shapes.score_tests import ALPHA, left_over, surprising
 from fsm_calib.diagnosis.verdict.bared import ranked_if_bared
 from fsm_calib.diagnosis.verdict.cross_examined import supports_of
 from fsm_calib.diagnosis.verdict.event_times import dated
+from fsm_calib.diagnosis.verdict.gripping import likelier_if_gripping
 from fsm_calib.diagnosis.verdict.model import Model, bare_model
 from fsm_calib.diagnosis.verdict.posterior import Belief, belief_of
 from fsm_calib.diagnosis.verdict.punctual import likelier_if_punctual, ranked_if_punctual
@@ -134,6 +135,7 @@ class Judge:
         with self.part("further effects"):
             if ranking and ranking[0].evidence >= gates.first:
                 selector, selection = likelier_if_punctual(selector, selector.best_grown(ranking))
+                selector, selection = likelier_if_gripping(selector, selection)
             selection = likelier_if_recalled(selector, self.earlier, ranking, selection)
             selection = selection and selector.spared(selection)
         if selection is None:
