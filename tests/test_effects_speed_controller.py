@@ -120,3 +120,30 @@ def test_one_that_a_misplaced_marker_hid_is_bare_beside_it():
 def test_beside_a_marker_a_robot_without_one_is_given_none():
     found = ranked_beside_a_marker()
     assert ranked_if_bared(*found) == found
+
+
+def ranked_on(robot, *names):
+    """Return selector, bank and ranking of a `robot` among some effects, on the base as it is without a controller."""
+    engine = engine_of(*(recording(seed, **robot) for seed in (0, 1)))
+    selector = selector_on(fit_base(engine), engine, *names)
+    return selector, *selector.first_ranked()
+
+
+def test_one_that_winds_up_against_dry_friction_is_bare_beside_it():
+    robot = {
+        "speed_controller__hold": 5.0,
+        "speed_controller__weight": 0.0,
+        "coulomb_friction__friction": 0.02,
+    }
+    selector, _, ranking = ranked_if_bared(*ranked_on(robot, *RIVALS))
+    assert {HOLD_PLACE, WEIGHT_PLACE} <= set(free(selector.base))
+    assert ranking[0].name == "coulomb_friction"
+    assert free(ranking[0].fit)[HOLD_PLACE] == pytest.approx(5.0, rel=0.1)
+    assert free(ranking[0].fit)[WEIGHT_PLACE] == pytest.approx(0.0, abs=0.05)
+
+
+@pytest.mark.parametrize("hidden", [{"command_delay__delay": 0.2}, {"motor_asymmetric_lag__ratio": 1.6}])
+def test_beside_dry_friction_a_late_robot_that_is_told_duties_is_given_none(hidden):
+    found = ranked_on({"coulomb_friction__friction": 0.02, **hidden}, *RIVALS)
+    selector, _, _ = ranked_if_bared(*found)
+    assert HOLD_PLACE not in free(selector.base)

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
-from fsm_calib.diagnosis.candidates.speed_loop import HOLD, with_speed_loop
+from fsm_calib.diagnosis.candidates.speed_loop import HOLD, with_bare_loop, with_speed_loop
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, with_stiffness
 from fsm_calib.diagnosis.candidates.supply_end import CEILING, with_supply_end
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -24,6 +24,7 @@ Freeing = Callable[[Engine, Fit, Iterable[Effect]], Fit]
 
 NUMBERS: tuple[tuple[str, Freeing], ...] = (
     (HOLD, with_speed_loop),
+    (HOLD, with_bare_loop),
     (CEILING, with_supply_end),
     (STIFFNESS, with_stiffness),
 )
