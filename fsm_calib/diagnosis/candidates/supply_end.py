@@ -2,7 +2,7 @@
 
 A controller asks for more voltage than the set point has whenever the robot is to speed up, and no supply has ever so
 much: the robot speeds up late and slows down in time. The motors of real robots have a tenth to a half more than full
-command asks of them. Left out, it costs 70 to 600 units of log-likelihood on 14 of 18 such robots of three engines, up
+command asks of them. Left out, it costs 70 to 600 units of log-likelihood on 14 of 21 such robots of three engines, up
 to four fifths of the noise of driving, and delays, lags or weak batteries take the blame. Found on robots of two
 engines: 1.32, 1.50 and 1.56 of full command (true 1.36, 1.41 and 1.60).
 """
