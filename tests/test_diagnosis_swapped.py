@@ -25,3 +25,16 @@ def test_rolling_resistance_takes_the_place_of_a_dragging_caster_beside_it():
     assert [e.name for e in effects] == ["gear_backlash", "coulomb_friction"]
     assert effects[1].hypothesis.closure in {"rolling", "each rolls its own"}  # one law, of both or of each
     assert fit.score > joining.fit.score
+
+
+def test_the_rivals_asked_are_those_of_the_round_that_an_effect_won():
+    """A nap that joined second and stands first, being stronger, gives way to the slope of its own round."""
+    true = {"coulomb_friction__friction": 0.01, "floor_tilt__slope_x": 0.02, "command_delay__delay": 0.1}
+    engine = engine_of(*(recording(seed, **true) for seed in (0, 1)))
+    selector = Selector(engine, fit_base(engine), [], 14.0, 0.01, 4, np.random.default_rng(0))
+    friction = Bank.on(engine, selector.base).best_of(registry()["coulomb_friction"])
+    nap, tilt = (Bank.on(engine, friction.fit).best_of(registry()[n]) for n in ("carpet_nap", "floor_tilt"))
+    joining = Bank.on(engine, nap.fit).best_of(registry()["command_delay"])
+    rankings = ((friction,), (nap, tilt), (joining,))
+    effects, _ = swapped(selector, (nap, friction, joining), joining.fit, rankings)
+    assert [e.name for e in effects] == ["floor_tilt", "coulomb_friction", "command_delay"]

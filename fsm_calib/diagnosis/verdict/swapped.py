@@ -51,12 +51,25 @@ def swapped(
     joining = effects[-1]
     for earlier in effects[:-1]:
         place = next(i for i, e in enumerate(effects) if e is earlier)
-        near = [r for r in rankings[min(place, len(rankings) - 1)] if r.evidence > NEAR * earlier.evidence]
+        near = _rivals(earlier, place, rankings)
         effects, fit = _with_another(fitting, effects, fit, place, near)
         is_last = effects[-1] is joining  # until it has taken an earlier one's place
         if is_last and _nearly_won(joining.name, effects[place].name, rankings):
             effects, fit = _moved_up(fitting, effects, fit, place)
     return effects, fit
+
+
+def _rivals(earlier: Ranked, place: int, rankings: Sequence[Sequence[Ranked]]) -> list[Ranked]:
+    """Return what was near an effect in the round that it won, strongest first.
+
+    Effects are sorted by what each adds to the others, rounds by time: a slope of a robot that also drags a caster was
+    asked in the place of what had won another round, and a nap that pulls kept its own. An effect that took another's
+    place won no round; it has the rivals of the round that its place tells.
+    """
+    won = [found for found in rankings if found and found[0].name == earlier.name]
+    found = won[-1] if won else rankings[min(place, len(rankings) - 1)]
+    most = won[-1][0].evidence if won else earlier.evidence
+    return [r for r in found if r.evidence > NEAR * most]
 
 
 def _with_another(
