@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, recording
+from diagnosis_robots import engine_of, recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -17,6 +17,7 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
     jumps_of,
     likely_discs,
 )
+from fsm_calib.diagnosis.candidates.scan_slides import Slides
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.prepared import prepare
@@ -192,6 +193,18 @@ def test_a_slippery_spot_is_found_from_anywhere_on_the_floor(slippery):
     x, y = (best.changes[f"low_friction_patch.{name}"] for name in ("x", "y"))
     assert np.hypot(x - PATCH["x"], y - PATCH["y"]) < 0.15
     assert best.promise > 20.0
+
+
+def test_events_of_poses_and_wheels_that_come_at_once_ask_no_more_of_the_tyres():
+    def demand(bank):
+        scan = bank.scanner
+        effect = registry()["low_friction_patch"]
+        (asked, *_) = Slides(bank.parent, scan.residual, effect, scan.passages, scan.size).demand
+        return asked
+
+    both = demand(bank_of(with_encoders(0), with_encoders(1)))
+    assert np.isfinite(both).all()
+    assert both.max() == pytest.approx(demand(bank_of(recording(0), recording(1))).max(), rel=0.15)
 
 
 def on_wide_wheels(seed, **changes):

@@ -23,6 +23,7 @@ from fsm_calib.diagnosis.candidates.scan_areas import Area
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.passage import Passages
+from fsm_calib.diagnosis.replay.simulator import GRID_STEP
 from fsm_calib.diagnosis.shapes.score_tests import Residual, winnings
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.dynamics import AXLE
@@ -40,6 +41,7 @@ APART = 0.18  # m between the centres of two spots that are kept
 KEPT = 3
 LOOKED_AT = 12  # centres whose neighbours are tried, too
 PITCH = 0.12  # m between neighbours
+PACE = 0.05  # s between speeds, whose changes tell what the tyres are asked for
 REACH = 0.12  # m beyond a spot's edge at which a wheel may touch it
 
 Spot = dict[str, float]
@@ -125,11 +127,17 @@ class Slides:
 
 
 def _demand(passages: Passages) -> FloatArray:
-    """Return what the tyres are asked for (n,) [1]: the larger acceleration of both axle ends over that of gravity."""
-    time, twist, half = passages.simulator.prepared.time, passages.twist, 0.5 * float(passages.values[AXLE])
-    ahead, spin = np.gradient(twist[:, 0], time), np.gradient(twist[:, 2], time)
-    asked: FloatArray = np.hypot(np.abs(ahead) + half * np.abs(spin), twist[:, 0] * twist[:, 2]) / GRAVITY
-    return asked
+    """Return what the tyres are asked for (n,) [1]: the larger acceleration of both axle ends over that of gravity.
+
+    Taken from the way rolled, at an even pace: events of poses and wheels may come at once.
+    """
+    p, half = passages.simulator.prepared, 0.5 * float(passages.values[AXLE])
+    ways = np.cumsum(passages.twist * np.maximum(p.dt, GRID_STEP)[:, None], axis=0)
+    grid = np.arange(p.time[0], p.time[-1] + 2.0 * PACE, PACE)
+    speed, rate = (np.gradient(np.interp(grid, p.time, ways[:, i]), PACE) for i in (0, 2))
+    asked = np.hypot(np.abs(np.gradient(speed, PACE)) + half * np.abs(np.gradient(rate, PACE)), speed * rate)
+    at_events: FloatArray = np.interp(p.time, grid, asked / GRAVITY)
+    return at_events
 
 
 def _about(at: FloatArray, pitch: float) -> FloatArray:
