@@ -105,9 +105,7 @@ def test_an_effect_is_named_beside_it():
 def ranked_beside_a_marker(**robot):
     """Return selector, bank and ranking of a `robot` whose poses are wrong about a marker."""
     numbers = {f"misplaced_marker__{name}": value for name, value in MARKED.items()}
-    engine = engine_of(*(recording(seed, **robot, **numbers) for seed in (0, 1)))
-    selector = selector_on(fit_base(engine), engine, "misplaced_marker", "motor_asymmetric_lag")
-    return selector, *selector.first_ranked()
+    return ranked_on({**robot, **numbers}, "misplaced_marker", "motor_asymmetric_lag")
 
 
 def test_one_that_a_misplaced_marker_hid_is_bare_beside_it():

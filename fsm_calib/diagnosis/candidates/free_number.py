@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit, with_slots
 from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.diagnosis.fitting.wald import wald
+from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -45,6 +47,14 @@ def with_free(
         tried.append(engine.fit(values, (*fit.slots, *slots), fit.noise, steps=STEPS))
     best = engine.refit_noise(max(tried, key=lambda t: t.score), SPEED_NOISE, 3)
     return engine.fit(best.values, best.slots, best.noise, steps=STEPS)
+
+
+def with_held(fit: Fit, name: str, value: float | FloatArray) -> Fit:
+    """Return the numbers of a fit with one of them held at a value, of all recordings or one each; not fitted again."""
+    place = parameter_table().place(name)
+    values = fit.values.copy()
+    values[:, place] = value
+    return replace(fit, values=values, slots=tuple(s for s in fit.slots if s.place != place))
 
 
 def unless_stood_in(

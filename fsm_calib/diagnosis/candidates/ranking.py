@@ -63,7 +63,7 @@ def evidence_of(fit: Fit, parent: Fit, count: int) -> float:
     return 2.0 * (fit.score - parent.score) - extra * float(np.log(count))
 
 
-def _best(tried: Iterable[Ranked]) -> Ranked | None:
+def strongest(tried: Iterable[Ranked]) -> Ranked | None:
     """Return the one with the most evidence; None where there is none."""
     return max(tried, key=lambda ranked: ranked.evidence, default=None)
 
@@ -206,14 +206,14 @@ class Bank:
     def best_of(self, effect: Effect) -> Ranked | None:
         """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
         tried = self._fitted(self.plans(effect))
-        return _best([*tried, *map(self._finished, self._extended(effect, tried))])
+        return strongest([*tried, *map(self._finished, self._extended(effect, tried))])
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of the same closure in another recording; None where nothing is in sight there."""
         effect = registry()[event.effect]
         plans = self._scanned(effect, self.scanner.candidates(effect))
         asked = [p for p in plans if (p[0].run, p[0].closure) == (run, event.closure)]
-        return _best(self._fitted(asked))
+        return strongest(self._fitted(asked))
 
     def _fitted(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> list[Ranked]:
         """Return every form, fitted from each of its starts."""

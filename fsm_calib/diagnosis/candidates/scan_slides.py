@@ -23,12 +23,10 @@ from fsm_calib.diagnosis.candidates.scan_areas import Area
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.passage import Passages
-from fsm_calib.diagnosis.replay.simulator import GRID_STEP
 from fsm_calib.diagnosis.shapes.score_tests import Residual, winnings
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.dynamics import AXLE
+from fsm_calib.world2d.dynamics import AXLE, FRICTION
 from fsm_calib.world2d.effects import Effect
-from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.slots import GRAVITY
 
 RADIUS = 0.25  # m: half of a small robot's turn
@@ -60,17 +58,24 @@ class Slides:
     @cached_property
     def demand(self) -> list[FloatArray]:
         """Friction coefficient (n,) [1] that the parent's motion asks of its tyres at each event of each recording."""
-        return [_demand(p) for p in self.passages]
+        half = 0.5 * float(self.parent.values[0, AXLE])
+        pairs = zip(self.passages, self.parent.simulated, strict=True)
+        return [_demand(p.simulator.prepared.time, increments, half) for p, increments in pairs]
 
     @cached_property
     def grip(self) -> float:
         """Friction coefficient [1] of the parent's tyres."""
-        return float(self.parent.values[0, parameter_table().place("friction")])
+        return float(self.parent.values[0, FRICTION])
+
+    @property
+    def growth(self) -> float:
+        """How much larger spots are that matter to a robot of this size [1]: larger, but not in proportion."""
+        return math.sqrt(self.size)
 
     @property
     def radius(self) -> float:
-        """The usual radius of a spot [m]: those that matter to larger robots are larger, but not in proportion."""
-        return RADIUS * math.sqrt(self.size)
+        """The usual radius of a spot [m]."""
+        return RADIUS * self.growth
 
     def best(self, centres: FloatArray) -> list[tuple[Spot, float]]:
         """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win."""
@@ -115,7 +120,7 @@ class Slides:
         return winnings(self.residual, self.residual.engine.white_columns(self.residual.whiteners, columns))
 
     def _of_best_radius(self, at: FloatArray, loss: float, promise: float) -> tuple[Spot, float]:
-        radii = [math.sqrt(self.size) * radius for radius in RADII]
+        radii = [self.growth * radius for radius in RADII]
         promises = [float(promise), *(float(self.promises(at, radius, (loss,))[0]) for radius in radii)]
         best = int(np.argmax(promises))
         return self._spot(at, (self.radius, *radii)[best], loss), promises[best]
@@ -126,17 +131,17 @@ class Slides:
         return Area(float(at[0]), float(at[1]), radius, radius).numbers(self.effect) | acting
 
 
-def _demand(passages: Passages) -> FloatArray:
+def _demand(time: FloatArray, increments: FloatArray, half: float) -> FloatArray:
     """Return what the tyres are asked for (n,) [1]: the larger acceleration of both axle ends over that of gravity.
 
-    Taken from the way rolled, at an even pace: events of poses and wheels may come at once.
+    Taken from the way rolled, at an even pace: events of poses and wheels may come at once. time : (n,) [s];
+    increments : (n, 5), ahead, aside and turned first; half : of the axle [m].
     """
-    p, half = passages.simulator.prepared, 0.5 * float(passages.values[AXLE])
-    ways = np.cumsum(passages.twist * np.maximum(p.dt, GRID_STEP)[:, None], axis=0)
-    grid = np.arange(p.time[0], p.time[-1] + 2.0 * PACE, PACE)
-    speed, rate = (np.gradient(np.interp(grid, p.time, ways[:, i]), PACE) for i in (0, 2))
+    ways = np.cumsum(increments, axis=0)
+    grid = np.arange(time[0], time[-1] + 2.0 * PACE, PACE)
+    speed, rate = (np.gradient(np.interp(grid, time, ways[:, i]), PACE) for i in (0, 2))
     asked = np.hypot(np.abs(np.gradient(speed, PACE)) + half * np.abs(np.gradient(rate, PACE)), speed * rate)
-    at_events: FloatArray = np.interp(p.time, grid, asked / GRAVITY)
+    at_events: FloatArray = np.interp(time, grid, asked / GRAVITY)
     return at_events
 
 

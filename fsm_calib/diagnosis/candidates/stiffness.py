@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from fsm_calib.diagnosis.candidates.free_number import SURE, found_free, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.free_number import SURE, found_free, unless_stood_in, with_free, with_held
 from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -38,14 +38,9 @@ def with_stiffness(engine: Engine, base: Fit, effects: Iterable[Effect]) -> Fit:
         return with_free(engine, fit, [slot], STARTS)
 
     def in_place_of_a_mass_aside(rival: Ranked) -> Fit | None:
-        aside = parameter_table().place(ASIDE)
-        if all(s.place != aside for s in rival.fit.slots):
+        if not found_free(rival.fit, ASIDE):
             return None
-        values = rival.fit.values.copy()
-        values[:, aside] = base.values[:, aside]
-        return freed(
-            replace(rival.fit, values=values, slots=tuple(s for s in rival.fit.slots if s.place != aside))
-        )
+        return freed(with_held(rival.fit, ASIDE, base.values[:, parameter_table().place(ASIDE)]))
 
     return unless_stood_in(engine, base, freed, rivals, in_place_of_a_mass_aside)
 

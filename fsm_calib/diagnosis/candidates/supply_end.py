@@ -21,7 +21,7 @@ from fsm_calib.world2d.effects.speed_controller import EFFECT
 from fsm_calib.world2d.effects.speed_loop import AMPLE, NEVER
 
 CEILING, LOOP = (f"{EFFECT.name}.{name}" for name in ("ceiling", "loop"))
-STARTS = ((1.3, 2.0), (1.1, 2.0))  # of full command; of the motor's slope
+STARTS = tuple((end, EFFECT.parameter("loop").null) for end in EFFECT.parameter("ceiling").starts)
 
 
 def with_supply_end(engine: Engine, base: Fit, rivals: Iterable[Effect]) -> Fit:

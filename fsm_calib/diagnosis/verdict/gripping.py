@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from fsm_calib.diagnosis.candidates.free_number import found_free
-from fsm_calib.diagnosis.candidates.ranking import Bank, evidence_of
+from fsm_calib.diagnosis.candidates.free_number import found_free, with_held
+from fsm_calib.diagnosis.candidates.ranking import Bank, evidence_of, strongest
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.world2d.parameters import parameter_table
@@ -26,8 +26,7 @@ def likelier_if_gripping(selector: Selector, selection: Selection) -> tuple[Sele
     if not spots or len(named) >= selector.most or not found_free(selection.fit, GRIP):
         return selector, selection
     engine, held = selector.engine, _of_usual_grip(selector, selection.fit)
-    found = [found for found in map(Bank.on(engine, held).best_of, spots) if found]
-    spot = max(found, key=lambda ranked: ranked.evidence, default=None)
+    spot = strongest(found for found in map(Bank.on(engine, held).best_of, spots) if found)
     if spot is None or evidence_of(spot.fit, selection.fit, engine.count) <= 0.0:
         return selector, selection
     usual = replace(selector, base=_of_usual_grip(selector, selector.base))
@@ -38,8 +37,6 @@ def likelier_if_gripping(selector: Selector, selection: Selection) -> tuple[Sele
 
 def _of_usual_grip(selector: Selector, fit: Fit) -> Fit:
     """Return the fit with the usual grip of the tyres, everything else and the noise fitted again."""
-    place = parameter_table().place(GRIP)
-    values = fit.values.copy()
-    values[:, place] = parameter_table().null[place]
-    slots = [slot for slot in fit.slots if slot.place != place]
-    return selector.with_noise(selector.engine.fit(values, slots, fit.noise))
+    table = parameter_table()
+    held = with_held(fit, GRIP, table.null[table.place(GRIP)])
+    return selector.with_noise(selector.engine.fit(held.values, held.slots, fit.noise))

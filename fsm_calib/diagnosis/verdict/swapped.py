@@ -66,10 +66,15 @@ def _rivals(earlier: Ranked, place: int, rankings: Sequence[Sequence[Ranked]]) -
     asked in the place of what had won another round, and a nap that pulls kept its own. An effect that took another's
     place won no round; it has the rivals of the round that its place tells.
     """
-    won = [found for found in rankings if found and found[0].name == earlier.name]
+    won = _rounds_of(earlier.name, rankings)
     found = won[-1] if won else rankings[min(place, len(rankings) - 1)]
     most = won[-1][0].evidence if won else earlier.evidence
     return [r for r in found if r.evidence > NEAR * most]
+
+
+def _rounds_of(winner: str, rankings: Sequence[Sequence[Ranked]]) -> list[Sequence[Ranked]]:
+    """Return what the rounds that an effect won had found."""
+    return [found for found in rankings if found and found[0].name == winner]
 
 
 def _with_another(
@@ -96,7 +101,7 @@ def _with_another(
 
 def _nearly_won(name: str, winner: str, rankings: Sequence[Sequence[Ranked]]) -> bool:
     """Return whether an effect was near in a round that `winner` won."""
-    rounds = (found for found in rankings if found and found[0].name == winner)
+    rounds = _rounds_of(winner, rankings)
     return any(r.name == name and r.evidence > NEAR * found[0].evidence for found in rounds for r in found)
 
 

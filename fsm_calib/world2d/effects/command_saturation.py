@@ -10,10 +10,10 @@ limit [1]: a setting of the kinematics node (`limit`, 0.1 to 1) or a supply that
 [1]: the motor's largest force F [N] as a share of its stall force at full command, D K with the slope D [N s/m] of its
 torque-speed line and the gain K [m/s]: the speed is reached, but late, and a slope is climbed with less. voltage [1]:
 where the supply ends, as a share of the no-load speed at full command; on a robot that is told speeds (and has a weak
-battery) it also cuts what the loop adds to speed up, `loop` [1] being the loop's gain over the motor's slope. Above 1
-every set point is reached: so robots with a speed loop are built, and it is no finding. Null is 2 for all three: never
-reached. Sources: Duckietown kinematics_node.py; current regulation of H-bridges, e.g. TI DRV8871 data sheet, section
-7.3.2; Astrom & Hagglund, Advanced PID Control, 2006, section 3.5.
+battery) it also cuts what the loop adds to speed up, `loop` [1] being the loop's gain over the motor's slope. Above
+1.05 every set point is reached: so robots with a speed loop are built, and it is no finding. Null is 2 for all three:
+never reached. Sources: Duckietown kinematics_node.py; current regulation of H-bridges, e.g. TI DRV8871 data sheet,
+section 7.3.2; Astrom & Hagglund, Advanced PID Control, 2006, section 3.5.
 """
 
 from __future__ import annotations

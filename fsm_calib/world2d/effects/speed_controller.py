@@ -9,10 +9,10 @@ acts at once. With a motor F = D_m (duty w_0 - w), w_0 its free speed, and a con
 i / (1 + p), weight = (c + p) / (1 + p): the stiffness goes into its time constants, the integral remains. It overshoots
 after each step of the set point, and no lasting load slows the wheels down: friction, slopes and drag show for a moment
 only. Where a wheel that is told to rest is slower than `STILL`, the integral dies away within the time let_go [s] (over
-1 - |w| / STILL, so that nothing jumps), as firmware lets its motors go so that nothing creeps (assumed). The
-supply ends at `ceiling` [1] of the no-load speed at full command (2: never), which cuts what a loop of the gain loop =
-p [1] adds to speed up (`world2d.supply`); there the integral grows no further (Astrom & Hagglund, Advanced PID Control,
-2006, section 3.5). Below 1 set points are out of reach, which is a finding (`command_saturation`). The integral's
+1 - |w| / STILL, so that nothing jumps), as firmware lets its motors go so that nothing creeps (assumed). The supply
+ends at `ceiling` [1] of the no-load speed at full command (2: never), which cuts what a loop of the gain loop = p [1]
+adds to speed up (`world2d.supply`); there the integral grows no further (Astrom & Hagglund, Advanced PID Control, 2006,
+section 3.5). Below 1.05 set points may be out of reach, which is a finding (`command_saturation`). The integral's
 memory is a way: z = hold (the way asked for - the way rolled).
 
 Robots that are told velocities (ROS) have one; those that are told duties (a Duckiebot) have none. It is how a robot is
