@@ -9,6 +9,7 @@ from time import perf_counter
 from fsm_calib.diagnosis.candidates.charge import charges_told
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.jitter import jitter_told
+from fsm_calib.diagnosis.candidates.late_sight import sight_told
 from fsm_calib.diagnosis.candidates.speed_loop import loop_told
 from fsm_calib.diagnosis.candidates.stiffness import stiffness_told
 from fsm_calib.diagnosis.candidates.supply_end import supply_told
@@ -99,6 +100,7 @@ def diagnose(
         *at_bounds(decision.base),
         *loop_told(decision.model.fit),
         *supply_told(decision.model.fit),
+        *sight_told(decision.model.fit),
         *stiffness_told(decision.model.fit),
         *charges_told(decision.model.fit),
         *jitter_told(decision.model.fit),

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from fsm_calib.diagnosis.candidates.charge import with_charges
 from fsm_calib.diagnosis.candidates.jitter import with_jitter
+from fsm_calib.diagnosis.candidates.late_sight import with_late_sight
 from fsm_calib.diagnosis.candidates.speed_loop import with_speed_loop
 from fsm_calib.diagnosis.candidates.stiffness import with_stiffness
 from fsm_calib.diagnosis.candidates.supply_end import with_supply_end
@@ -22,6 +23,6 @@ def fit_whole_base(engine: Engine, effects: Sequence[Effect]) -> Fit:
         return base
     lasting = [e for e in effects if not e.scan]
     looped = with_supply_end(engine, with_speed_loop(engine, base, lasting), lasting)
-    held = with_jitter(engine, looped)
+    held = with_jitter(engine, with_late_sight(engine, looped, lasting))
     charged = with_charges(engine, with_stiffness(engine, held, lasting), lasting)
     return with_tyres(engine, charged, [e for e in effects if e.scan == "place"])

@@ -144,7 +144,7 @@ def fit_base(engine: Engine, more: Sequence[str] = ()) -> Fit:
     if own:
         start = engine.refit_noise(engine.fit(values, slots, Noise()), free, 8)
         values, slots = with_phases(engine, start, own), slots + own
-    return _in_turn(engine, values, slots, free)
+    return _in_turn(engine, values, slots, free, Noise())
 
 
 def slots_of_recordings(values: FloatArray) -> tuple[Slot, ...]:
@@ -176,13 +176,19 @@ def with_phases(engine: Engine, fit: Fit, own: Sequence[Slot]) -> FloatArray:
 
 
 def settled(engine: Engine, fit: Fit) -> Fit:
-    """Return a fit whose numbers and noise were fitted in turn until that wins nothing."""
-    return _in_turn(engine, fit.values, fit.slots, noise_names(engine.simulators))
+    """Return a fit whose numbers and noise were fitted in turn until that wins nothing.
+
+    The noise begins anew, as it holds what the numbers now explain; only that commands act at odd moments is kept.
+    """
+    began = Noise(jitter=fit.noise.jitter)
+    return _in_turn(engine, fit.values, fit.slots, noise_names(engine.simulators), began)
 
 
-def _in_turn(engine: Engine, values: FloatArray, slots: tuple[Slot, ...], free: Sequence[int]) -> Fit:
-    """Fit parameters and noise in turn until that wins nothing."""
-    noise, before = Noise(), -np.inf
+def _in_turn(
+    engine: Engine, values: FloatArray, slots: tuple[Slot, ...], free: Sequence[int], noise: Noise
+) -> Fit:
+    """Fit parameters and noise in turn, from a noise on, until that wins nothing."""
+    before = -np.inf
     for _ in range(ROUNDS):
         fit = engine.refit_noise(engine.fit(values, slots, noise), free, 8)
         values, noise = fit.values, fit.noise

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import found_free
+from fsm_calib.diagnosis.candidates.late_sight import LAG, with_late_sight
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
 from fsm_calib.diagnosis.candidates.speed_loop import HOLD, with_bare_loop, with_speed_loop
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, with_stiffness
@@ -26,6 +27,7 @@ NUMBERS: tuple[tuple[str, Freeing], ...] = (
     (HOLD, with_speed_loop),
     (HOLD, with_bare_loop),
     (CEILING, with_supply_end),
+    (LAG, with_late_sight),
     (STIFFNESS, with_stiffness),
 )
 """Numbers of the base robot: full name, and what sets it free where the recordings ask for it."""

@@ -15,6 +15,14 @@ adds to speed up (`world2d.supply`); there the integral grows no further (Astrom
 section 3.5). Below 1.05 set points may be out of reach, which is a finding (`command_saturation`). The integral's
 memory is a way: z = hold (the way asked for - the way rolled).
 
+No controller is at once: it counts ticks over a period, smooths them, and holds what it gives for a period. It sees the
+speed late by `lag` t_f [s], about two periods, and set points act half as late, about one (`WAIT`). The loop's part
+p (w_s - w) is then p (w_s - w_f), so that
+
+    T = weight w_s(t - t_f / 2) + z + p / (1 + p) (w - w_f),        t_f dw_f/dt = w - w_f
+
+which overshoots after every step of the set point, the more the stiffer the loop is.
+
 Robots that are told velocities (ROS) have one; those that are told duties (a Duckiebot) have none. It is how a robot is
 built, not what is wrong with it: of the base family, set free by `diagnosis.candidates.speed_loop` and `supply_end`.
 Source: Astrom & Murray, Feedback Systems, 2nd ed. 2021, sections 11.1 and 11.5 (weights of the set point).
@@ -31,6 +39,10 @@ from fsm_calib.world2d.effects.speed_loop import NEVER, gain_of_the_loop
 from fsm_calib.world2d.slots import ANGLE, CEILING, HELD, RADIUS, RIM, STEP, TARGET
 from fsm_calib.world2d.supply import end_at, give_what_there_is
 
+WAIT = 0.5
+"""How late a set point acts, over how late a speed is seen [1]. A set point waits half a period until it is read and is
+held for half of one; a speed is half a period old where ticks are counted, another half where it is held, and smoothing
+it with those before takes a whole one more (assumed)."""
 STILL, REST = 0.01, 1e-5
 """A wheel that is slower than the one [m/s] stands, one that is told less than the other is told to rest (assumed)."""
 
@@ -54,9 +66,25 @@ def hold_speed(P, o, S, m, W):
             rate = (1.0 - abs(rim) / STILL) / P[o + 2]
             S[way] = rolled + (S[way] - rolled) * math.exp(-step * rate)
         W[TARGET + side] = P[o + 1] * wanted + hold * (S[way] - rolled + 0.5 * step * (wanted - rim))
+        if P[o + 5] > 0.0:
+            W[TARGET + side] += see_late(P, o, S, m + 4 + side, rim, step)
         grows = (wanted - rim) * (W[TARGET + side] - rim) > 0.0
         stays = give_what_there_is(S, W, side, m + 2) if W[CEILING + side] > 0.0 else 0.0
         S[way] += step * (wanted + stays * (rim - wanted) if grows else wanted)
+
+
+@njit(error_model="numpy")
+def see_late(P, o, S, m, rim, step):
+    """Return what a loop that sees the speed late asks for beyond one that sees it at once; keep what it sees."""
+    late = P[o + 4] / (1.0 + P[o + 4]) * (rim - S[m])
+    S[m] += (1.0 - math.exp(-step / P[o + 5])) * (rim - S[m])
+    return late
+
+
+@njit(error_model="numpy")
+def wait(P, o):
+    """Return how late the controller takes set points [s]."""
+    return WAIT * P[o + 5]
 
 
 EFFECT = Effect(
@@ -80,9 +108,13 @@ EFFECT = Effect(
             strength=False, starts=(1.3, 1.1), step=1e-3,
         ),
         gain_of_the_loop("loop", "p"),
+        Parameter(
+            "lag", "t_f", "s", 0.0, 0.0, 0.3, 0.03, "ticks of 10 to 50 ms, smoothed", strength=False,
+            starts=(0.012, 0.04), step=1e-3,
+        ),
     ),
-    hooks={"begin": take_hold, "step": hold_speed},
-    memory=4,
+    hooks={"delay": wait, "begin": take_hold, "step": hold_speed},
+    memory=6,
     channels=("forward", "turn"),
     regimes=("transient", "starting", "stopping"),
     separates="the wheels overshoot after each step of the command, and no lasting load slows them down",
