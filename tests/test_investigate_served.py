@@ -30,7 +30,7 @@ robot:
   start: {x: -0.9, y: 0.0, theta: 0.5}
   effects: {motor_deadband: {offset: 0.05}}
   link: {lockstep: true}
-investigate: {budget: 120, poses: camera, centre_x: -0.9, width: 1.7, depth: 1.4, command: 0.4}
+investigate: {budget: 120, poses: camera, centre_x: -0.9, width: 1.7, depth: 1.4, command: 0.4, look_every: 0.2}
 """
 
 
