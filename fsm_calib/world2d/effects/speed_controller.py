@@ -109,7 +109,7 @@ EFFECT = Effect(
         ),
         gain_of_the_loop("loop", "p"),
         Parameter(
-            "lag", "t_f", "s", 0.0, 0.0, 0.3, 0.03, "ticks of 10 to 50 ms, smoothed", strength=False,
+            "lag", "t_f", "s", 0.0, 0.0, 0.3, 0.0, "ticks of 10 to 50 ms, smoothed", strength=False,
             starts=(0.012, 0.04), step=1e-3,
         ),
     ),
