@@ -34,8 +34,15 @@ DEPARTURE_NAMES = {
 }
 # physics that no robot is without: motors with dry friction of 0.6 % of their stall torque and wheels that roll with 0.8 %
 # of their load (`robots.py`); in the plane tyres that yield sideways (four to nine times their load for a unit of slip); in
-# MuJoCo cylinders that stand on a line, which resists a pivoting robot, and contacts that creep sideways (soft constraints)
-BUILT_IN = {"": {"coulomb_friction"}, "planar": {"lateral_slip"}, "mujoco": {"tyre_scrub", "lateral_slip"}}
+# MuJoCo cylinders that stand on a line, which resists a pivoting robot, and contacts that creep sideways (soft constraints);
+# in PhysX a ball under every robot that slides with 1.5 to 4 % of its load, a skid with 8 to 14 %, a fork that turns over
+# (`physx_robots/robots.py`, `_casters`)
+BUILT_IN = {
+    "": {"coulomb_friction"},
+    "planar": {"lateral_slip"},
+    "mujoco": {"tyre_scrub", "lateral_slip"},
+    "physx": {"caster_drag"},
+}
 CART = 15.0  # kg: Drake's robots above it stand on a swivelling fork, which turns over after every reversal and pushes
 NEAR, NEAR_SHARE = 0.002, 0.2  # m or rad, and share of the size: so close is what was found to what was built
 # sizes that mean the same in any engine: (label, laws) -> size in the key, unit of the parameter
