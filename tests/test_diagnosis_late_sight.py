@@ -9,10 +9,13 @@ import pytest
 from diagnosis_robots import engine_of, fitted_number, recording
 
 from fsm_calib.diagnosis.candidates.free_number import found_free
-from fsm_calib.diagnosis.candidates.late_sight import LAG
+from fsm_calib.diagnosis.candidates.late_sight import LAG, with_late_sight
+from fsm_calib.diagnosis.candidates.speed_loop import with_speed_loop
+from fsm_calib.diagnosis.candidates.supply_end import CEILING, with_supply_end
+from fsm_calib.diagnosis.candidates.supply_end import LOOP as LOOP_GAIN
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.diagnose import diagnose
-from fsm_calib.diagnosis.fitting.base import settled
+from fsm_calib.diagnosis.fitting.base import fit_base, settled
 from fsm_calib.world2d.effects import registry
 
 RIVALS = ("command_delay", "observation_delay", "motor_asymmetric_lag", "payload_offset")
@@ -55,6 +58,16 @@ def test_a_robot_whose_controller_sees_late_is_given_its_lag():
 
 def test_a_controller_that_sees_at_once_has_none():
     assert not found_free(based(**HELD), LAG)
+
+
+def test_a_supply_that_ends_behind_it_leaves_the_loop_one_gain():
+    both = {**SEEING, "speed_controller__ceiling": 1.2}
+    engine = engine_of(*(recording(seed, **both) for seed in (0, 1)))
+    late = with_late_sight(engine, with_speed_loop(engine, fit_base(engine), []), [])
+    assert found_free(late, LAG)
+    fit = with_supply_end(engine, late, [])
+    assert found_free(fit, CEILING)
+    assert len(found_free(fit, LOOP_GAIN)) == 1
 
 
 def test_it_is_said_and_never_accused():

@@ -9,19 +9,19 @@ engines: 1.32, 1.50 and 1.56 of full command (true 1.36, 1.41 and 1.60).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import SURE, found_free, unless_stood_in, with_free
 from fsm_calib.diagnosis.candidates.speed_loop import HOLD
 from fsm_calib.diagnosis.fitting.base import settled, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.speed_controller import EFFECT
 from fsm_calib.world2d.effects.speed_loop import AMPLE, NEVER
 
 CEILING, LOOP = (f"{EFFECT.name}.{name}" for name in ("ceiling", "loop"))
-STARTS = tuple((end, EFFECT.parameter("loop").null) for end in EFFECT.parameter("ceiling").starts)
 
 
 def with_supply_end(engine: Engine, base: Fit, rivals: Iterable[Effect]) -> Fit:
@@ -31,13 +31,20 @@ def with_supply_end(engine: Engine, base: Fit, rivals: Iterable[Effect]) -> Fit:
     """
     if not found_free(base, HOLD):
         return base
-    slots = [replace(slot_of(CEILING), low=AMPLE, high=NEVER), slot_of(LOOP)]
+    end = replace(slot_of(CEILING), low=AMPLE, high=NEVER)
 
     def freed(fit: Fit) -> Fit:
-        free = settled(engine, with_free(engine, fit, slots, STARTS))
-        return free if free.values[0, slots[0].place] > AMPLE else fit
+        free = with_number_of_loop(engine, fit, end, EFFECT.parameter("ceiling").starts)
+        return free if free.values[0, end.place] > AMPLE else fit
 
     return unless_stood_in(engine, base, freed, rivals)
+
+
+def with_number_of_loop(engine: Engine, fit: Fit, slot: Slot, starts: Sequence[float]) -> Fit:
+    """Return a fit with a number free that acts through the loop's gain, and this too where it is not free yet."""
+    further = {} if found_free(fit, LOOP) else {LOOP: EFFECT.parameter("loop").null}
+    slots = [slot, *map(slot_of, further)]
+    return settled(engine, with_free(engine, fit, slots, [(start, *further.values()) for start in starts]))
 
 
 def supply_told(fit: Fit) -> list[str]:

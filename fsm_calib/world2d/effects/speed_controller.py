@@ -24,7 +24,8 @@ p (w_s - w) is then p (w_s - w_f), so that
 which overshoots after every step of the set point, the more the stiffer the loop is.
 
 Robots that are told velocities (ROS) have one; those that are told duties (a Duckiebot) have none. It is how a robot is
-built, not what is wrong with it: of the base family, set free by `diagnosis.candidates.speed_loop` and `supply_end`.
+built, not what is wrong with it: of the base family, set free by `diagnosis.candidates.speed_loop`, `supply_end` and
+`late_sight`.
 Source: Astrom & Murray, Feedback Systems, 2nd ed. 2021, sections 11.1 and 11.5 (weights of the set point).
 """
 
