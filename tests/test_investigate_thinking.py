@@ -15,8 +15,9 @@ from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.runner.investigation import thinking
-from fsm_calib.runner.investigation.own_camera import MOST_LATE, camera_found
+from fsm_calib.runner.investigation.own_camera import MOST_LATE, SEEN, camera_found
 from fsm_calib.runner.investigation.thinking import Mind
+from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import null_parameters, parameter_table
 
 
@@ -96,11 +97,27 @@ def test_an_explanation_without_a_name_that_is_said_keeps_it_open():
     assert not answered(motor_deadband=1.0)._is_sure(sure_of("motor_deadband"), 0.9)
 
 
+def decided(values: FloatArray, effects: tuple = (), ranking: tuple = ()) -> SimpleNamespace:
+    model = SimpleNamespace(effects=effects, fit=SimpleNamespace(values=values[None]))
+    return SimpleNamespace(model=model, ranking=ranking)
+
+
 @pytest.mark.parametrize(("linked", "late"), [(True, 0.5 * MOST_LATE), (False, 0.0)])
 def test_frames_are_late_by_a_network_alone(linked, late):
     table, values = parameter_table(), null_parameters()
     values[table.place("observation_delay.delay")] = 0.5 * MOST_LATE
-    assert camera_found(SimpleNamespace(values=values[None]), linked) == (0.0, 0.0, 0.0, late)
+    assert camera_found(decided(values), linked) == (0.0, 0.0, 0.0, late)
+
+
+@pytest.mark.parametrize(
+    ("named", "gain", "ahead"),
+    [((), SEEN + 1.0, 3e-4), ((), SEEN - 1.0, 0.0), (("caster_drag",), SEEN + 1.0, 0.0)],
+)
+def test_a_seat_too_small_to_be_found_is_learnt_where_nothing_is_named_and_drives_show_it(named, gain, ahead):
+    seated = null_parameters()
+    seated[parameter_table().place("sensor_offset.x")] = 3e-4
+    ranked = SimpleNamespace(name="sensor_offset", gain=gain, fit=SimpleNamespace(values=seated[None]))
+    assert camera_found(decided(null_parameters(), named, (ranked,)), False) == (ahead, 0.0, 0.0, 0.0)
 
 
 def test_a_drive_that_was_cut_off_at_once_is_not_diagnosed(monkeypatch):

@@ -17,8 +17,8 @@ from fsm_calib.actions.investigating import Field
 from fsm_calib.actions.markers import camera_of
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.sight import Sight
-from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.replay.prepared import FEWEST_FRAMES
+from fsm_calib.diagnosis.verdict.decide import Decision
 from fsm_calib.errors import InputError
 from fsm_calib.perception.floor_map import adjusted_poses, pose_spreads
 from fsm_calib.perception.floor_pose import view_on_floor
@@ -34,6 +34,9 @@ MOST_OFFSET, MOST_YAW = 0.01, 0.03
 """By so much a calibrated camera may sit elsewhere than it is known to [m, rad]."""
 MOST_LATE = 0.2
 """By so much a frame's time may be off [s]: a robot on a network stamps it late, and its link dates it back."""
+SEATS = ("sensor_offset", "sensor_yaw")
+SEEN = 2.0
+"""Log-likelihood that a seat wins from which on it is more than chance: two standard deviations."""
 POORLY = 3.0
 """Times the median pose's standard deviation from which on a pose is left out: the likelihood takes all as equally
 good, and a robot that spins past a single blurred tag errs by 40 mrad where it usually errs by one."""
@@ -121,15 +124,23 @@ def well_told(drives: Sequence[Field], size: float) -> list[NDArray[np.bool_]]:
     return [g if g.sum() >= FEWEST_FRAMES else np.ones(len(g), dtype=bool) for g in good]
 
 
-def camera_found(fit: Fit, linked: bool) -> Seat:
-    """Return where a fitted explanation has the poses on the robot, and how late; zeros where it has them right.
+def camera_found(decision: Decision, linked: bool) -> Seat:
+    """Return where an answer has the poses on the robot, and how late; zeros where it has them right.
 
     Only what a mount and a clock may be off is taken: more is the robot's or the floor's. linked : whether frames come
-    over a network, which dates them; one that stamps its own is not late.
+    over a network, which dates them; one that stamps its own is not late. Where nothing is missing, or what is missing
+    has no name, a seat too small to be found is taken too: no camera sits to a tenth of a millimetre where it is known
+    to, and what that leaves was taken for physics.
     """
-    table = parameter_table()
-    names = ("sensor_offset.x", "sensor_offset.y", "sensor_yaw.yaw", "observation_delay.delay")
-    x, y, yaw, late = (float(fit.values[0, table.place(name)]) for name in names)
+    table, model = parameter_table(), decision.model
+    alone = {} if model.effects else {r.name: r.fit for r in decision.ranking if r.gain > SEEN}
+
+    def number(effect: str, name: str) -> float:
+        fit = alone.get(effect, model.fit) if effect in SEATS else model.fit
+        return float(fit.values[0, table.place(f"{effect}.{name}")])
+
+    x, y, yaw = number("sensor_offset", "x"), number("sensor_offset", "y"), number("sensor_yaw", "yaw")
+    late = number("observation_delay", "delay")
     if math.hypot(x, y) > MOST_OFFSET or abs(yaw) > MOST_YAW:
         x = y = yaw = 0.0
     return x, y, yaw, late if linked and abs(late) <= MOST_LATE else 0.0

@@ -137,7 +137,7 @@ class Mind:
         """
         if self.scene is None or self.diagnosis is None:
             return False
-        found = camera_found(self.diagnosis.decision.model.fit, self.linked)
+        found = camera_found(self.diagnosis.decision, self.linked)
         if not any(found):
             return False
         x, y, yaw, late = bench.findings.camera
