@@ -6,14 +6,13 @@ m [kg], g = 9.80665 m/s2, slope_x and slope_y [rad]: rise of the floor along the
 over it or, where it is curved, at the origin; x, y [m] the axle's centre in `world`; curve_x, curve_y, twist [rad/m]:
 how much the slopes grow with every metre (the height's second derivatives; slopes of a height have one twist). A floor
 that sags to its middle or to a drain has positive curves, one that drops to its edges negative ones. The robot rolls
-downhill also with its motors off. A floor that falls alike on all sides of a place does what a spring to that place
-does, one that falls ever more along one line what a taut cable does: there no motion tells which it is. Source:
-gravity on an inclined plane; the height's second order over the place.
+downhill also with its motors off. A force that changes with the place need be no floor: a spring or a cable that is
+fixed somewhere, a magnet, a stream of air do the same, and no motion tells which it is: a curved floor is even odds.
+Source: gravity on an inclined plane; the height's second order over the place.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from numba import njit
@@ -33,44 +32,11 @@ def pull(P, o, S, m, W):
     add_force(W, fx, fy, W[COM_X] * fy - W[COM_Y] * fx)
 
 
-def is_pull(numbers: Mapping[str, float]) -> bool:
-    """Return whether a curved floor does what something that pulls towards a place, or pushes from it, does."""
-    return is_central(numbers) or is_taut(numbers)
+def may_be_a_pull(numbers: Mapping[str, float]) -> bool:
+    """Return whether something that pulls or pushes by the place does what a curved floor does: always."""
+    return any(numbers[name] != 0.0 for name in ("curve_x", "curve_y", "twist"))
 
 
-def is_central(numbers: Mapping[str, float]) -> bool:
-    """Return whether a curved floor falls alike on all sides of a place, as a spring or a stream of air pulls.
-
-    F = -m g c (p - p0), c [rad/m] the mean curve: the pull of a spring of stiffness m g c [N/m] that is fixed at p0.
-    """
-    mean, uneven, _ = _main_axis(numbers)
-    return uneven < CENTRAL * abs(mean)
-
-
-def is_taut(numbers: Mapping[str, float]) -> bool:
-    """Return whether a curved floor falls along one line only, ever more, as a taut cable pulls to a place far away.
-
-    A cable of tension T [N] at a distance l [m] from where it is fixed has the stiffness dT/dl along itself and T / l,
-    which is less, across: it pulls along the main axis of its curves, and is slack where that pull would end. So near
-    the origin, where robots drive, a gutter's bottom is no cable.
-    """
-    mean, uneven, angle = _main_axis(numbers)
-    most, least = mean + uneven, mean - uneven
-    x, y = numbers["slope_x"], numbers["slope_y"]
-    along = abs(math.cos(angle) * x + math.sin(angle) * y)
-    across = abs(math.cos(angle) * y - math.sin(angle) * x)
-    return abs(least) < most and least > -CENTRAL * most and across < CENTRAL * along and along > most * NEAR
-
-
-def _main_axis(numbers: Mapping[str, float]) -> tuple[float, float, float]:
-    """Return the mean curve [rad/m], by how much it is more along the main axis, and that axis' angle [rad]."""
-    difference = 0.5 * (numbers["curve_x"] - numbers["curve_y"])
-    mean = 0.5 * (numbers["curve_x"] + numbers["curve_y"])
-    return mean, math.hypot(difference, numbers["twist"]), 0.5 * math.atan2(numbers["twist"], difference)
-
-
-CENTRAL = 0.3  # of the mean curve: springs and bowls are uneven by 0.01 to 0.04, a gutter by 1
-NEAR = 0.5  # m from the origin: a robot that is let drive about it comes as far
 CURVED = "1 to 2 % of slope over a metre or two towards a drain"
 
 EFFECT = Effect(
@@ -130,7 +96,7 @@ EFFECT = Effect(
             "a slope that changes with the place: a hollow, a crown, a gutter",
             sentence="The floor rises by {slope_x} along x and {slope_y} along y at the origin, and by {curve_x} and "
             "{curve_y} more with every metre along them.",
-            has_twin=is_pull,
+            has_twin=may_be_a_pull,
         ),
     ),
     order=80,
