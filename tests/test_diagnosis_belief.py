@@ -436,13 +436,28 @@ def test_the_seconds_of_a_part_are_added_up(monkeypatch: pytest.MonkeyPatch) -> 
     assert one.seconds == {"base": 7.0}
 
 
-@pytest.mark.parametrize(("curve_y", "probability"), [(0.03, 0.5), (0.0, 1.0)])
-def test_a_name_that_something_beyond_the_catalogue_equals_is_even_odds(curve_y, probability) -> None:
+@pytest.mark.parametrize(("curve_x", "probability"), [(0.03, 0.5), (0.0, 1.0)])
+def test_a_name_that_something_beyond_the_catalogue_equals_is_even_odds(curve_x, probability) -> None:
     table, sure = parameter_table(), support("floor_tilt")
     curved = ("slope_x", "slope_y", "curve_x", "curve_y", "twist")
     values = table.null[None].copy()
-    values[0, [table.place("floor_tilt.curve_x"), table.place("floor_tilt.curve_y")]] = 0.03, curve_y
+    values[0, table.place("floor_tilt.curve_x")] = curve_x
     hypothesis = SimpleNamespace(closure="curved", names=curved, elsewhere=0.0)
     effect = SimpleNamespace(name="floor_tilt", hypothesis=hypothesis, fit=SimpleNamespace(values=values))
+    told = belief_of(replace(sure, effect=effect)).probability  # type: ignore[arg-type]
+    assert told == pytest.approx(probability * shape_probability(sure), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("delay", "hold", "drag", "probability"),
+    [(0.015, 0.0, 0.0, 1.0), (0.015, 4.0, 0.0, 0.5), (0.015, 0.0, 0.1, 0.5), (0.04, 4.0, 0.1, 1.0)],
+)
+def test_a_delay_that_a_controller_or_a_skid_may_have_is_even_odds(delay, hold, drag, probability) -> None:
+    table, sure = parameter_table(), support("command_delay")
+    values = table.null[None].copy()
+    names = ("command_delay.delay", "speed_controller.hold", "caster_drag.drag")
+    values[0, [table.place(name) for name in names]] = delay, hold, drag
+    hypothesis = SimpleNamespace(closure="full", names=("delay",), elsewhere=0.0)
+    effect = SimpleNamespace(name="command_delay", hypothesis=hypothesis, fit=SimpleNamespace(values=values))
     told = belief_of(replace(sure, effect=effect)).probability  # type: ignore[arg-type]
     assert told == pytest.approx(probability * shape_probability(sure), abs=1e-6)

@@ -124,9 +124,12 @@ class Support:
         has_twin = with_twins.get(self.effect.hypothesis.closure) if with_twins else None
         if has_twin is None:
             return False
-        table, names = parameter_table(), self.effect.hypothesis.names
-        rows = self.effect.fit.values
-        return any(has_twin({n: float(row[table.place(f"{self.name}.{n}")]) for n in names}) for row in rows)
+        table, own = parameter_table(), self.effect.hypothesis.names
+        for row in self.effect.fit.values.tolist():
+            numbers = dict(zip(table.names, row, strict=True))
+            if has_twin({**numbers, **{n: numbers[f"{self.name}.{n}"] for n in own}}):
+                return True
+        return False
 
     @property
     def moved(self) -> float:

@@ -37,8 +37,9 @@ class Closure:
         Names of smaller closures of the effect: it is asked for where one of these wins something, and from where that
         one's fit has ended. For closures of many numbers and choices, which would cost more than all others together.
     has_twin : callable, optional
-        Takes the closure's numbers by name; whether something that is no effect of the catalogue does the very same
-        with these. No drive tells the two apart, so that the name is even odds.
+        Takes the closure's numbers by name, and all numbers of the model by full name; whether something that is no
+        effect of the catalogue does the very same with these. No drive tells the two apart, so that the name is even
+        odds.
     """
 
     name: str

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsm_calib.world2d.effects.effect import LEAST_DELAY, Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.lateness import LEAST_DELAY, may_be_built_so
 
 
 @njit(error_model="numpy")
@@ -47,4 +48,5 @@ EFFECT = Effect(
     sentence="The wheels answer {delay} after the command.",
     input="command",
     source="duckietown-world, pwm_dynamics.py and ApplyDelay",
+    closures=(Closure("full", ("delay",), "every command by as much", has_twin=may_be_built_so),),
 )

@@ -62,11 +62,7 @@ from fsm_calib.world2d.effects.declaration import check_declaration
 from fsm_calib.world2d.effects.parameter import FORCE_DOUBT, Parameter
 from fsm_calib.world2d.effects.vocabulary import HOOKS, Acts, Channel, Input, Reads, When, Where
 
-__all__ = ["FORCE_DOUBT", "HOOKS", "LEAST_DELAY", "Channel", "Closure", "Effect", "Parameter"]
-
-LEAST_DELAY = (
-    0.025  # s: a loop of 20 Hz answers that late in the mean, tyres and windings lag by 2 to 10 ms more
-)
+__all__ = ["FORCE_DOUBT", "HOOKS", "Channel", "Closure", "Effect", "Parameter"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,8 @@ import numpy as np
 from numba import njit
 
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects.effect import LEAST_DELAY, Closure, Effect, Parameter
+from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.lateness import LEAST_DELAY, may_be_built_so
 
 
 def lag(p: FloatArray, t: FloatArray) -> FloatArray:
@@ -81,13 +82,14 @@ EFFECT = Effect(
     sentence="Poses are stamped {delay:late|early}.",
     source="Rehder et al., ICRA 2016",
     closures=(
-        Closure("constant", ("delay",), "every pose by as much"),
+        Closure("constant", ("delay",), "every pose by as much", has_twin=may_be_built_so),
         Closure(
             "smoothed",
             ("delay", "smoothing"),
             "a filter behind the sensor takes part of it",
             sentence="Poses are {delay} late, of which smoothing takes {smoothing}.",
             source="LaViola, EGVE 2003",
+            has_twin=may_be_built_so,
         ),
     ),
     order=20,
