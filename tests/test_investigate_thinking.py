@@ -19,6 +19,7 @@ from fsm_calib.runner.investigation.own_camera import MOST_LATE, SEEN, camera_fo
 from fsm_calib.runner.investigation.thinking import Mind
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import null_parameters, parameter_table
+from fsm_calib.world2d.scene import SceneSpec
 
 
 def sure_of(*names):
@@ -97,6 +98,24 @@ def test_an_explanation_without_a_name_that_is_said_keeps_it_open():
     assert not answered(motor_deadband=1.0)._is_sure(sure_of("motor_deadband"), 0.9)
 
 
+@pytest.mark.parametrize(
+    ("linked", "missing"),
+    [(False, {"clock_drift", "observation_delay", "misplaced_marker"}), (True, {"misplaced_marker"})],
+)
+def test_a_robot_that_places_itself_by_its_camera_is_not_asked_for_what_a_tracker_may_have(linked, missing):
+    assert Mind(Area(), RobotFacts(), 0, scene=SceneSpec(), linked=linked)._not_asked == missing
+
+
+def test_recordings_that_were_given_may_be_a_trackers():
+    assert not Mind(Area(), RobotFacts(), 0, (recording(0, 12.0),), scene=SceneSpec())._not_asked
+
+
+def test_before_a_drive_nothing_is_believed_in_that_is_not_asked():
+    believed = Mind(Area(), RobotFacts(), 0, scene=SceneSpec())._prior(10.0)
+    assert not {"clock_drift", "observation_delay"} & {name for h in believed.hypotheses for name in h.names}
+    assert believed.probabilities.sum() == pytest.approx(1.0)
+
+
 def decided(values: FloatArray, effects: tuple = (), ranking: tuple = ()) -> SimpleNamespace:
     model = SimpleNamespace(effects=effects, fit=SimpleNamespace(values=values[None]))
     return SimpleNamespace(model=model, ranking=ranking)
@@ -128,8 +147,8 @@ def test_a_drive_that_was_cut_off_at_once_is_not_diagnosed(monkeypatch):
     monkeypatch.setattr(
         thinking,
         "diagnose",
-        lambda recordings, seed, earlier: heard.extend(recordings) or SimpleNamespace(decision=None),
+        lambda recordings, without, seed, earlier: heard.extend(recordings) or SimpleNamespace(decision=None),
     )
-    monkeypatch.setattr(thinking, "belief_of", lambda decision: None)
+    monkeypatch.setattr(thinking, "belief_of", lambda decision: sure_of("motor_deadband"))
     mind._believed(SimpleNamespace(findings=Findings(drives=[None, None])))
     assert len(heard) == 1

@@ -24,6 +24,7 @@ from fsm_calib.perception.floor_map import adjusted_poses, pose_spreads
 from fsm_calib.perception.floor_pose import view_on_floor
 from fsm_calib.perception.levelled import levelled
 from fsm_calib.types import CameraMount, Pose2
+from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.scene import SceneSpec
 from fsm_calib.world2d.surfaces import field_markers
@@ -34,6 +35,8 @@ MOST_OFFSET, MOST_YAW = 0.01, 0.03
 """By so much a calibrated camera may sit elsewhere than it is known to [m, rad]."""
 MOST_LATE = 0.2
 """By so much a frame's time may be off [s]: a robot on a network stamps it late, and its link dates it back."""
+SENSED = {"clock", "smooth", "observe"}
+"""The hooks of what a pose sensor does to poses."""
 SEATS = ("sensor_offset", "sensor_yaw")
 SEEN = 2.0
 """Log-likelihood that a seat wins from which on it is more than chance: two standard deviations."""
@@ -122,6 +125,16 @@ def well_told(drives: Sequence[Field], size: float) -> list[NDArray[np.bool_]]:
     usual = np.median(np.vstack(spreads), axis=0)
     good = [np.asarray((s <= POORLY * usual).all(axis=1)) for s in spreads]
     return [g if g.sum() >= FEWEST_FRAMES else np.ones(len(g), dtype=bool) for g in good]
+
+
+def not_of_a_camera(linked: bool) -> frozenset[str]:
+    """Return the effects that only a pose sensor has, and a robot that places itself by its own camera has not.
+
+    How markers were laid is learnt from its frames, and frames and commands are dated by one clock, unless frames come
+    over a network (`linked`). Where the camera sits is asked for, and learnt (`camera_found`).
+    """
+    of_sensor = [e for e in registry().values() if set(e.hooks) <= SENSED and e.name not in SEATS]
+    return frozenset(e.name for e in of_sensor if not (linked and "clock" in e.hooks))
 
 
 def camera_found(decision: Decision, linked: bool) -> Seat:

@@ -10,7 +10,12 @@ import numpy as np
 
 from fsm_calib.actions.investigating import Field, InvestigationBench
 from fsm_calib.diagnosis.design.area import Area
-from fsm_calib.diagnosis.design.belief import Belief, beside_the_leader, without_unlikely_more
+from fsm_calib.diagnosis.design.belief import (
+    Belief,
+    beside_the_leader,
+    without_effects,
+    without_unlikely_more,
+)
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
 from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design, foretold
 from fsm_calib.diagnosis.design.plan import Plan
@@ -20,7 +25,7 @@ from fsm_calib.errors import DataError
 from fsm_calib.outcome import Outcome
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording, RobotFacts
-from fsm_calib.runner.investigation.own_camera import camera_found, corrected
+from fsm_calib.runner.investigation.own_camera import camera_found, corrected, not_of_a_camera
 from fsm_calib.types import Pose2
 from fsm_calib.world2d.scene import SceneSpec
 
@@ -60,7 +65,7 @@ class Mind:
     def design_drive(self, bench: InvestigationBench) -> Outcome:
         """Find the drive of most information per second from where the robot is."""
         asked, findings = bench.asked, bench.findings
-        believed = self._believed(bench) or prior_belief(robot=self.facts, frame_rate=1.0 / asked.look_every)
+        believed = self._believed(bench) or self._prior(1.0 / asked.look_every)
         sure = self._is_sure(believed, asked.sure)
         rng = np.random.default_rng([self.seed, DESIGN_STREAM, findings.designs])
         findings.designs += 1
@@ -190,9 +195,20 @@ class Mind:
         last = len(recordings)
         first = max(len(self.given) if self.diagnosis is None else last, 1)
         for number in range(first, last + 1):
-            self.diagnosis = diagnose(recordings[:number], seed=self.seed, earlier=self.diagnosis)
+            self.diagnosis = diagnose(
+                recordings[:number], without=self._not_asked, seed=self.seed, earlier=self.diagnosis
+            )
         if self.diagnosis is not None:
-            self.belief = belief_of(self.diagnosis.decision)
+            self.belief = without_effects(belief_of(self.diagnosis.decision), self._not_asked)
+
+    def _prior(self, frame_rate: float) -> Belief:
+        """Return what is believed before anything was driven."""
+        return without_effects(prior_belief(robot=self.facts, frame_rate=frame_rate), self._not_asked)
+
+    @property
+    def _not_asked(self) -> frozenset[str]:
+        """What need not be asked of a robot of which nothing is known but what its own camera tells."""
+        return not_of_a_camera(self.linked) if self.scene is not None and not self.given else frozenset()
 
     def recordings(self, bench: InvestigationBench) -> tuple[Recording, ...]:
         """Return the recordings that were given and those of the drives."""
