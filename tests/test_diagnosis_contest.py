@@ -166,9 +166,9 @@ def at_value(fit, effect, name, value):
         ("motor_fault", "loss_left", 1.0, True),  # a dead motor is where nature ends
         ("motor_fault", "loss_left", -0.5, False),  # no motor gains a half by a fault
         ("coulomb_friction", "friction", 0.0, True),  # at rest at nothing at all
-        ("command_delay", "delay", 0.02, False),  # a loop of 20 Hz is as late
-        ("command_delay", "delay", 0.03, True),
-        ("observation_delay", "delay", -0.02, False),
+        ("command_delay", "delay", 0.003, False),  # tyres are as late
+        ("command_delay", "delay", 0.005, True),
+        ("observation_delay", "delay", -0.003, False),
     ],
 )
 def test_a_size_at_its_bound_or_too_small_to_be_told_is_none(saturated, effect, name, value, holds):
