@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording
 
+from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.parameters import parameter_table, parameters
+from fsm_calib.world2d.parameters import parameters
 from fsm_calib.world2d.rollout import Drive, simulate
 
 SAMPLES = np.arange(0.0, 6.0, 0.05)
@@ -40,11 +41,8 @@ def test_a_curved_floor_is_measured_and_has_no_name_since_a_cable_may_pull_so(cu
     assert found.decision.outcome == "unexplained"
     (tilt,) = found.decision.model.beliefs
     assert (tilt.name, tilt.probability) == ("floor_tilt", pytest.approx(0.5, abs=0.05))
-    numbers = {
-        parameter_table().names[s.place]: (n, v**0.5) for s, n, v in found.decision.model.fit.numbers()
-    }
     for name, true in (("curve_x", 0.03), ("curve_y", curve_y)):
-        number, sd = numbers[f"floor_tilt.{name}"]
+        ((_, number, sd),) = found_free(found.decision.model.fit, f"floor_tilt.{name}")
         assert number == pytest.approx(true, abs=3.0 * sd)
 
 

@@ -17,6 +17,7 @@ from fsm_calib.recording.wheel_stamps import held
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.dynamics import small_rotation
 from fsm_calib.world2d.effects import per_catalogue, registry
+from fsm_calib.world2d.effects.vocabulary import POSE_HOOKS
 from fsm_calib.world2d.observation import observe, robot_time, smoothed
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.path import Path
@@ -96,7 +97,7 @@ class Simulator:
         states = simulate_many(values, drive, grid, start, track, p.settings.simulation_step, on)
         time, reference = p.time[part], p.reference[part]
         out = np.empty((len(values), len(time), 5))
-        clocked, filtered, seen = (_acts(on, hook) for hook in ("clock", "smooth", "observe"))
+        clocked, filtered, seen = (_acts(on, hook) for hook in POSE_HOOKS)
         for i, vector in enumerate(values):
             seen_at = np.ascontiguousarray(robot_time(vector, p.time)[part]) if clocked[i] else time
             if filtered[i]:

@@ -125,11 +125,8 @@ class Support:
         if has_twin is None:
             return False
         table, own = parameter_table(), self.effect.hypothesis.names
-        for row in self.effect.fit.values.tolist():
-            numbers = dict(zip(table.names, row, strict=True))
-            if has_twin({**numbers, **{n: numbers[f"{self.name}.{n}"] for n in own}}):
-                return True
-        return False
+        known = [dict(zip(table.names, row, strict=True)) for row in self.effect.fit.values.tolist()]
+        return any(has_twin({**full, **{n: full[f"{self.name}.{n}"] for n in own}}) for full in known)
 
     @property
     def moved(self) -> float:

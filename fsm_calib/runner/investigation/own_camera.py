@@ -25,6 +25,7 @@ from fsm_calib.perception.floor_pose import view_on_floor
 from fsm_calib.perception.levelled import levelled
 from fsm_calib.types import CameraMount, Pose2
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects.vocabulary import POSE_HOOKS
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.scene import SceneSpec
 from fsm_calib.world2d.surfaces import field_markers
@@ -35,9 +36,8 @@ MOST_OFFSET, MOST_YAW = 0.01, 0.03
 """By so much a calibrated camera may sit elsewhere than it is known to [m, rad]."""
 MOST_LATE = 0.2
 """By so much a frame's time may be off [s]: a robot on a network stamps it late, and its link dates it back."""
-SENSED = {"clock", "smooth", "observe"}
-"""The hooks of what a pose sensor does to poses."""
 SEATS = ("sensor_offset", "sensor_yaw")
+"""The effects that tell where the poses lie on the robot."""
 SEEN = 2.0
 """Log-likelihood that a seat wins from which on it is more than chance: two standard deviations."""
 POORLY = 3.0
@@ -133,7 +133,7 @@ def not_of_a_camera(linked: bool) -> frozenset[str]:
     How markers were laid is learnt from its frames, and frames and commands are dated by one clock, unless frames come
     over a network (`linked`). Where the camera sits is asked for, and learnt (`camera_found`).
     """
-    of_sensor = [e for e in registry().values() if set(e.hooks) <= SENSED and e.name not in SEATS]
+    of_sensor = [e for e in registry().values() if set(e.hooks) <= set(POSE_HOOKS) and e.name not in SEATS]
     return frozenset(e.name for e in of_sensor if not (linked and "clock" in e.hooks))
 
 
@@ -146,11 +146,14 @@ def camera_found(decision: Decision, linked: bool) -> Seat:
     to, and what that leaves was taken for physics.
     """
     table, model = parameter_table(), decision.model
-    alone = {} if model.effects else {r.name: r.fit for r in decision.ranking if r.gain > SEEN}
+    alone = (
+        {}
+        if model.effects
+        else {r.name: r.fit for r in decision.ranking if r.name in SEATS and r.gain > SEEN}
+    )
 
     def number(effect: str, name: str) -> float:
-        fit = alone.get(effect, model.fit) if effect in SEATS else model.fit
-        return float(fit.values[0, table.place(f"{effect}.{name}")])
+        return float(alone.get(effect, model.fit).values[0, table.place(f"{effect}.{name}")])
 
     x, y, yaw = number("sensor_offset", "x"), number("sensor_offset", "y"), number("sensor_yaw", "yaw")
     late = number("observation_delay", "delay")

@@ -33,7 +33,7 @@ def pull(P, o, S, m, W):
 
 
 def may_be_a_pull(numbers: Mapping[str, float]) -> bool:
-    """Return whether something that pulls or pushes by the place does what a curved floor does: always."""
+    """Return whether something that pulls or pushes by the place does the same: wherever the floor is curved."""
     return any(numbers[name] != 0.0 for name in ("curve_x", "curve_y", "twist"))
 
 

@@ -20,11 +20,14 @@ CHANNELS = ("forward", "lateral", "turn", "sensor")
 INPUTS = ("any", "command", "twist", "wheels")
 """Which drives can show an effect."""
 
-HOOKS = ("begin", "shape", "delay", "step", "clock", "smooth", "observe")
-"""Where an effect's equation acts (`effect`)."""
-
 COMPILED_HOOKS = ("begin", "shape", "delay", "step")
-"""Those that `kernel` weaves into the compiled program; the others are NumPy."""
+"""Where an equation acts on the robot: what `kernel` weaves into the compiled program."""
+
+POSE_HOOKS = ("clock", "smooth", "observe")
+"""Where one acts on what a pose sensor makes of the robot's poses, in this order; these are NumPy."""
+
+HOOKS = (*COMPILED_HOOKS, *POSE_HOOKS)
+"""Where an effect's equation acts (`effect`)."""
 
 WHERE: dict[str, tuple[str, ...]] = {
     "anywhere": (),
