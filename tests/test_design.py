@@ -198,14 +198,29 @@ def test_unlikely_explanations_are_left_out():
 
 
 @pytest.fixture(scope="module")
-def clean():
-    return belief_of(diagnose([recording(0, 12.0)]).decision)
+def matching():
+    """What is decided of a robot of which nothing is missing, after a short drive."""
+    return diagnose([recording(0, 12.0)]).decision
+
+
+@pytest.fixture(scope="module")
+def clean(matching):
+    return belief_of(matching)
 
 
 def test_match_still_believes_in_effects_that_would_have_stayed_unseen(clean):
     assert clean.leader.names == ()
     assert 0.0 < clean.sureness < 0.95
     assert len(clean.hypotheses) > 3
+
+
+def test_what_a_robot_was_not_asked_for_is_not_believed_to_hide(matching, clean):
+    hiding = {name for h in clean.hypotheses for name in h.names}
+    gone = sorted(hiding)[0]
+    asked = tuple(e for e in matching.asked if e.name != gone)
+    left = {name for h in belief_of(replace(matching, asked=asked)).hypotheses for name in h.names}
+    assert gone not in left
+    assert hiding - {gone} <= left
 
 
 def test_a_moment_that_is_not_said_is_no_part_of_what_is_believed():

@@ -236,7 +236,7 @@ def answered(
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
     model = plain_model(effects=tuple(range(effects)))
     names = tuple(SimpleNamespace(name=name) for name in said[:named])
-    answer = Decision(outcome, "because.", None, None, model, names, (), None, None)  # type: ignore[arg-type]
+    answer = Decision(outcome, "because.", None, (), None, model, names, (), None, None)  # type: ignore[arg-type]
     one = judge()
     monkeypatch.setattr(Judge, "_answer", lambda self: answer)
     return answer, one.decide(), len(asked)

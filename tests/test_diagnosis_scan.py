@@ -150,6 +150,13 @@ def test_four_outliers_in_a_row_are_no_evidence_of_a_marker():
     assert jump_evidence(prepared, bank.parent.simulated, bank.engine.count) < 10.0
 
 
+def test_jumps_of_a_map_that_the_same_frames_told_are_no_evidence_of_a_marker(marked):
+    prepared = [s.prepared for s in marked.engine.simulators]
+    own = [replace(p, settings=replace(p.settings, own_map=True)) for p in prepared]
+    assert jump_evidence(prepared, marked.parent.simulated, marked.engine.count) > 100.0
+    assert jump_evidence(own, marked.parent.simulated, marked.engine.count) == -np.inf
+
+
 def test_two_outliers_in_a_row_are_no_marker():
     drive = recording(0)
     x = drive.pose.x.copy()

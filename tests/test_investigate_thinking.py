@@ -110,6 +110,19 @@ def test_recordings_that_were_given_may_be_a_trackers():
     assert not Mind(Area(), RobotFacts(), 0, (recording(0, 12.0),), scene=SceneSpec())._not_asked
 
 
+@pytest.mark.parametrize("given", [(), (recording(0, 12.0),)])
+def test_only_where_all_poses_are_its_own_cameras_do_they_tell_their_map(monkeypatch, given):
+    mind, heard = Mind(Area(), RobotFacts(), 0, given, scene=SceneSpec()), {}
+    monkeypatch.setattr(
+        thinking,
+        "diagnose",
+        lambda recordings, **asked: heard.update(asked) or SimpleNamespace(decision=None),
+    )
+    monkeypatch.setattr(thinking, "belief_of", lambda decision: sure_of("motor_deadband"))
+    mind._diagnose([recording(1, 12.0)])
+    assert heard["settings"].own_map == (not given)
+
+
 def test_before_a_drive_nothing_is_believed_in_that_is_not_asked():
     believed = Mind(Area(), RobotFacts(), 0, scene=SceneSpec())._prior(10.0)
     assert not {"clock_drift", "observation_delay"} & {name for h in believed.hypotheses for name in h.names}
@@ -147,7 +160,7 @@ def test_a_drive_that_was_cut_off_at_once_is_not_diagnosed(monkeypatch):
     monkeypatch.setattr(
         thinking,
         "diagnose",
-        lambda recordings, without, seed, earlier: heard.extend(recordings) or SimpleNamespace(decision=None),
+        lambda recordings, **asked: heard.extend(recordings) or SimpleNamespace(decision=None),
     )
     monkeypatch.setattr(thinking, "belief_of", lambda decision: sure_of("motor_deadband"))
     mind._believed(SimpleNamespace(findings=Findings(drives=[None, None])))

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 from fsm_calib.diagnosis.candidates.charge import charges_told
-from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.jitter import jitter_told
 from fsm_calib.diagnosis.candidates.late_sight import sight_told
 from fsm_calib.diagnosis.candidates.speed_loop import loop_told
@@ -42,11 +41,10 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
 
 
-def told_by(decision: Decision, without: Iterable[str], gates: Gates) -> Coverage:
+def told_by(decision: Decision, gates: Gates) -> Coverage:
     """Return what the drives of a decision can tell."""
-    simulators = decision.engine.simulators
-    effects = shown_by(catalogue(without), simulators)
-    return coverage_of([s.prepared for s in simulators], decision.bank.prober, effects, gates.detect)
+    prepared = [s.prepared for s in decision.engine.simulators]
+    return coverage_of(prepared, decision.bank.prober, decision.asked, gates.detect)
 
 
 def diagnose(
@@ -92,7 +90,7 @@ def diagnose(
     if less.model.fit is not decision.model.fit:
         train, holdout = _proof(less, simulators, new)
     decision = less
-    told = told_by(decision, without, gates)
+    told = told_by(decision, gates)
     verdict = verdict_of(decision, train, holdout, horizon=settings.horizon, gates=gates)
     verdict = replace(verdict, drives=told)
     notes = (

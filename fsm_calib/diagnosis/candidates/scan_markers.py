@@ -156,9 +156,10 @@ def likely_discs(jumps: Sequence[Jumps], wrong: Wrong, kept: int = KEPT, size: f
 def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray], count: int) -> float:
     """Return the evidence that poses jump at the edge of some disc, whatever the simulated increments (n, 5) explain.
 
-    2 g - 4 ln N - 2 ln D for the gain g of the best of D discs and `count` innovations N.
+    2 g - 4 ln N - 2 ln D for the gain g of the best of D discs and `count` innovations N. None where poses have no
+    places, or places of a map that was told by the same frames.
     """
-    if not all(p.poses.placed for p in prepared):
+    if not all(p.poses.placed and not p.settings.own_map for p in prepared):
         return -np.inf
     jumps = [jumps_of(p, s, SURE_JUMP) for p, s in zip(prepared, simulated, strict=True)]
     size = robot_size(float(prepared[0].geometry[0]))

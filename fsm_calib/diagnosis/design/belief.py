@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -134,11 +133,6 @@ class Belief:
     def leader(self) -> Hypothesis:
         """The likeliest explanation."""
         return max(self.hypotheses, key=lambda h: h.probability)
-
-
-def without_effects(belief: Belief, names: Collection[str]) -> Belief:
-    """Return a belief without what a robot is known not to have."""
-    return replace(belief, hypotheses=tuple(h for h in belief.hypotheses if not set(names) & set(h.names)))
 
 
 def without_unlikely_more(belief: Belief, sure: float) -> Belief:

@@ -8,7 +8,7 @@ drives allow (`unseen`). Events happen once; in a new drive they change nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +19,6 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     has_phase,
     hypotheses_of,
     is_event,
-    shown_by,
 )
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.starts import Prober
@@ -58,7 +57,7 @@ Weighed = tuple[float, Hypothesis]
 def belief_of(decision: Decision, most: int = MOST) -> Belief:
     """Return what a decision leaves us to believe of the next drive; explanations beyond `most` count as un-named."""
     base, simulator = decision.base, decision.engine.simulators[0]
-    lasting = [e for e in shown_by(catalogue(), decision.engine.simulators) if not is_event(e)]
+    lasting = [e for e in decision.asked if not is_event(e)]
     weighed = [(0.0, _nothing(base)), *_something(decision, lasting)]
     top = max(odds for odds, _ in weighed)
     everything = [replace(h, probability=math.exp(odds - top)) for odds, h in weighed]
@@ -83,8 +82,12 @@ def prior_belief(
     noise: Noise | None = None,
     robot: RobotFacts | None = None,
     frame_rate: float = 15.0,
+    without: Collection[str] = (),
 ) -> Belief:
-    """Return what is believed of a robot that has not been driven: nothing missing, or one effect of typical size."""
+    """Return what is believed of a robot that has not been driven: nothing missing, or one effect of typical size.
+
+    without : effects that the robot is known not to have.
+    """
     facts = robot or RobotFacts(wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=NOMINAL_WHEEL_RATE)
     table = parameter_table()
     full = (facts.max_wheel_rate or NOMINAL_WHEEL_RATE) * (facts.wheel_radius or 0.0318)
@@ -95,7 +98,9 @@ def prior_belief(
     spread = np.diag([PRIOR_BASE[name] ** 2 for name in NUISANCE])
     hypotheses = [Hypothesis((), 0.5, plain, tuple(s.place for s in slots), spread, _steps(slots))]
     effects = [
-        e for e in catalogue() if not is_event(e) and e.input in ("any", "command") and e.scan != "place"
+        e
+        for e in catalogue(without)
+        if not is_event(e) and e.input in ("any", "command") and e.scan != "place"
     ]
     for effect in effects:
         values = with_values(plain[None], declared_starts(next(hypotheses_of(effect, 1)))[0])[0]

@@ -15,7 +15,8 @@ class Settings:
     not white above. still_speed, moving_speed [m/s]: speed noise fades in between them. degrees_of_freedom:
     Student's t of the whitened innovations. horizon [s]: of the errors that are reported (design contract).
     simulation_step [s]: the roll-out's step in a fit (at 0.01 s the log-likelihood
-    differs by 0.1 from 0.002 s, measured on three robots).
+    differs by 0.1 from 0.002 s, measured on three robots). own_map: poses come from a map that their own frames told,
+    so that a jump at a place is the map's and no marker's that was moved.
     """
 
     longest_gap: float = 1.5
@@ -26,6 +27,7 @@ class Settings:
     degrees_of_freedom: float = 8.0
     horizon: float = 2.0
     simulation_step: float = 0.01
+    own_map: bool = False
 
 
 DEFAULT_SETTINGS = Settings()

@@ -45,12 +45,14 @@ Outcome = Literal["match", "explained", "unexplained"]
 class Decision:
     """What was found: outcome and reason; base fit, model, ranking of single effects, location, seconds by part.
 
+    asked : the effects of the catalogue that were considered, those that these recordings can show.
     named : the effects whose names are sure enough to be said, strongest first; the model may have more.
     """
 
     outcome: Outcome
     reason: str
     engine: Engine
+    asked: tuple[Effect, ...]
     base: Fit
     model: Model
     named: tuple[Belief, ...]
@@ -203,8 +205,9 @@ class Judge:
         location: Location,
         bank: Bank,
     ) -> Decision:
+        asked = tuple(self.effects)
         return Decision(
-            outcome, reason, self.engine, base, model, named, ranking, location, bank, self.seconds
+            outcome, reason, self.engine, asked, base, model, named, ranking, location, bank, self.seconds
         )
 
 

@@ -16,11 +16,11 @@ import math
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from fsm_calib.diagnosis.candidates.hypotheses import declared_starts, hypotheses_of, scaled, shown_by
+from fsm_calib.diagnosis.candidates.hypotheses import declared_starts, hypotheses_of, scaled
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.shapes.score_tests import project
 from fsm_calib.diagnosis.verdict.decide import Decision
-from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.effects import Effect
 
 TRIES = 12  # simulations for one effect at most
 NEAR_ENOUGH = 1.3  # times the evidence asked for
@@ -35,8 +35,8 @@ def smallest_sizes(decision: Decision, threshold: float) -> dict[str, tuple[str,
     """
     wanted = threshold + math.log(decision.engine.count)
     found: dict[str, tuple[str, float, str]] = {}
-    for effect in shown_by(registry().values(), decision.engine.simulators):
-        if effect.scan or effect.family == "base":
+    for effect in decision.asked:
+        if effect.scan:
             continue
         changes = declared_starts(next(hypotheses_of(effect, len(decision.engine.simulators))))[0]
         name = _first_strength(effect, changes)

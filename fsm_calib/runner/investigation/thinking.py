@@ -13,7 +13,6 @@ from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import (
     Belief,
     beside_the_leader,
-    without_effects,
     without_unlikely_more,
 )
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
@@ -21,6 +20,7 @@ from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design, foretol
 from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.diagnosis.replay.prepared import is_usable
+from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS
 from fsm_calib.errors import DataError
 from fsm_calib.outcome import Outcome
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
@@ -196,19 +196,28 @@ class Mind:
         first = max(len(self.given) if self.diagnosis is None else last, 1)
         for number in range(first, last + 1):
             self.diagnosis = diagnose(
-                recordings[:number], without=self._not_asked, seed=self.seed, earlier=self.diagnosis
+                recordings[:number],
+                without=self._not_asked,
+                settings=replace(DEFAULT_SETTINGS, own_map=self._maps),
+                seed=self.seed,
+                earlier=self.diagnosis,
             )
         if self.diagnosis is not None:
-            self.belief = without_effects(belief_of(self.diagnosis.decision), self._not_asked)
+            self.belief = belief_of(self.diagnosis.decision)
 
     def _prior(self, frame_rate: float) -> Belief:
         """Return what is believed before anything was driven."""
-        return without_effects(prior_belief(robot=self.facts, frame_rate=frame_rate), self._not_asked)
+        return prior_belief(robot=self.facts, frame_rate=frame_rate, without=self._not_asked)
 
     @property
     def _not_asked(self) -> frozenset[str]:
         """What need not be asked of a robot of which nothing is known but what its own camera tells."""
-        return not_of_a_camera(self.linked) if self.scene is not None and not self.given else frozenset()
+        return not_of_a_camera(self.linked) if self._maps else frozenset()
+
+    @property
+    def _maps(self) -> bool:
+        """Whether all poses come from a map that the robot's own frames told."""
+        return self.scene is not None and not self.given
 
     def recordings(self, bench: InvestigationBench) -> tuple[Recording, ...]:
         """Return the recordings that were given and those of the drives."""
