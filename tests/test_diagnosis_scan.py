@@ -21,7 +21,7 @@ from fsm_calib.diagnosis.candidates.scan_slides import Slides
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.prepared import prepare
-from fsm_calib.diagnosis.shapes.score_tests import winnings
+from fsm_calib.diagnosis.shapes.score_tests import project, winnings
 from fsm_calib.world2d.effects import registry
 
 MARKER = {"turn": 0.12, "x": 0.15, "y": 0.0, "radius": 0.2}
@@ -76,6 +76,29 @@ def test_a_limit_that_is_seldom_reached_is_found():
     bank = bank_of(recording(0, command_saturation__limit=0.45), recording(1, command_saturation__limit=0.45))
     (ranked,) = bank.rank([registry()["command_saturation"]])
     assert ranked.fit.slot_values()[-1] == pytest.approx(0.45, abs=0.01)
+
+
+@pytest.mark.parametrize(("noticed", "fitted"), [(14.0, True), (np.inf, False)])
+def test_what_promises_nothing_is_fitted_only_beside_what_is_noticed(monkeypatch, noticed, fitted):
+    bank, begun = bank_of(recording(0, motor_deadband__offset=0.05)), []
+    fit = Bank._begun
+    monkeypatch.setattr(Bank, "_begun", lambda *a, **k: begun.append(a[1].effect) or fit(*a, **k))
+    asked = [registry()[name] for name in ("motor_deadband", "floor_tilt")]
+    first, last = bank.rank(asked, noticed=noticed)
+    assert (first.name, last.name) == ("motor_deadband", "floor_tilt")
+    assert ("floor_tilt" in begun) == fitted
+    assert last.gain < 2.0
+
+
+def test_what_a_start_promises_in_one_recording_is_what_it_promises_where_the_others_have_none():
+    bank = bank_of(recording(0, motor_deadband__offset=0.02), recording(1))
+    prober, size = bank.prober, {"motor_deadband.offset_left": 0.02, "motor_deadband.offset_right": 0.02}
+    (promised,) = prober._promised_by_run([with_values(bank.parent.values, size)]).T
+    for run in (0, 1):
+        column = project(prober.residual, prober.columns(with_values(bank.parent.values, size, run)))[:, 0]
+        amplitude = (column @ prober.residual.psi) / (column @ column)
+        won = 0.5 * amplitude * abs(amplitude) * (column @ column)
+        assert promised[run] == pytest.approx(won, rel=1e-6)
 
 
 def test_the_jumps_show_where_a_turned_marker_lies(marked):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from fsm_calib.diagnosis.candidates.scan import Candidate, Scanner, scan_of
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
-from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.replay.simulator import scale_of
 from fsm_calib.diagnosis.replay.situation import situations_of
@@ -40,6 +39,8 @@ NESTING_SLACK = 1e-6
 
 Progress = Callable[[str], None]
 Distinct = dict[Hypothesis, list[int]]
+Plans = list[tuple[Hypothesis, list[Start]]]
+"""Forms with where each starts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,38 +101,54 @@ class Bank:
         """The log-likelihood that a fit must win before it is worth more time."""
         return max(HOPELESS, self.scanner.worth)
 
-    def rank(self, effects: Iterable[Effect], progress: Progress = lambda name: None) -> list[Ranked]:
+    def rank(
+        self, effects: Iterable[Effect], progress: Progress = lambda name: None, noticed: float = 0.0
+    ) -> list[Ranked]:
         """Fit all effects in all their forms; return the best form of each, largest evidence first.
 
         Where a model already has effects, only the best joins it in this round: what stays far below the best so far
-        is given up early, and asked again in the next.
+        is given up early, and asked again in the next. On the base robot all are fitted where one has more evidence
+        than `noticed`; where none has, a form that promises nothing has won nothing.
         """
-        tried: list[Ranked] = []
-        self.seconds.clear()
-        most = 0.0
+        on_base, most = not self.scanner.worth, 0.0
+        begun: dict[str, list[Ranked]] = {}
+        left: dict[str, list[Hypothesis]] = {}
         for effect in effects:
             progress(effect.name)
-            began = perf_counter()
-            hope = max(self._worth, FAR_BELOW * most) if self.scanner.worth else self._worth
-            begun = [
-                self._begun(form, start, hope)
-                for form, starts in self.plans(effect, hope if self.scanner.worth else -np.inf)
-                for start in starts
-            ]
-            begun += self._extended(effect, begun)
-            begun.sort(key=lambda ranked: -ranked.evidence)
-            tried += begun[:1] + [ranked for ranked in begun[1:] if ranked.gain > self._worth]
-            most = max([most, *(ranked.gain for ranked in begun)])
-            self.seconds[effect.name] = perf_counter() - began
+            hope = self._worth if on_base else max(self._worth, FAR_BELOW * most)
+            plans = self.plans(effect, hope)
+            begun[effect.name] = self._all_begun(effect, plans, hope)
+            left[effect.name] = [form for form, starts in plans if not starts]
+            most = max([most, *(ranked.gain for ranked in begun[effect.name])])
+        if on_base:
+            fitted = any(ranked.evidence > noticed for found in begun.values() for ranked in found)
+            for name, forms in left.items():
+                begun[name] += self._promising_nothing(name, forms, fitted)
+        kept = [kept for found in begun.values() for kept in self._kept(found)]
+        near = self._near(kept)
+        done = [self._finished(ranked) if ranked.name in near else ranked for ranked in kept]
         best: dict[str, Ranked] = {}
-        near = self._near(tried)
-        for ranked in tried:
-            began = perf_counter()
-            done = self._finished(ranked) if ranked.name in near else ranked
-            if done.name not in best or done.evidence > best[done.name].evidence:
-                best[done.name] = done
-            self.seconds[done.name] += perf_counter() - began
+        for ranked in done:
+            if ranked.name not in best or ranked.evidence > best[ranked.name].evidence:
+                best[ranked.name] = ranked
         return sorted(best.values(), key=lambda r: -r.evidence)
+
+    def _all_begun(self, effect: Effect, plans: Plans, hope: float) -> list[Ranked]:
+        """Return the forms of an effect begun from their starts, and the closures that extend those which win."""
+        begun = [self._begun(form, start, hope) for form, starts in plans for start in starts]
+        return begun + self._extended(effect, begun)
+
+    def _promising_nothing(self, name: str, forms: Sequence[Hypothesis], fitted: bool) -> list[Ranked]:
+        """Return forms that promise nothing, begun where they are to be fitted, else the first, without a gain."""
+        if fitted or not forms:
+            plans = [(form, self._starts(form, -np.inf)) for form in forms]
+            return self._all_begun(registry()[name], plans, self._worth)
+        return [self._ranked(forms[0], self._at_parent(self._slots_with(forms[0])))]
+
+    def _kept(self, begun: Sequence[Ranked]) -> list[Ranked]:
+        """Return the best form of an effect and the others that are worth more time."""
+        in_order = sorted(begun, key=lambda ranked: -ranked.evidence)
+        return in_order[:1] + [ranked for ranked in in_order[1:] if ranked.gain > self._worth]
 
     @staticmethod
     def _near(tried: Sequence[Ranked]) -> set[str]:
@@ -140,13 +157,7 @@ class Bank:
         least = min(FAR_BELOW * top, top - NEAR_ENOUGH)
         return {ranked.name for ranked in tried if ranked.evidence >= least}
 
-    @property
-    def seconds(self) -> dict[str, float]:
-        """Seconds spent on each effect in the last `rank`."""
-        spent: dict[str, float] = self.__dict__.setdefault("_seconds", {})
-        return spent
-
-    def plans(self, effect: Effect, hope: float = -np.inf) -> list[tuple[Hypothesis, list[Start]]]:
+    def plans(self, effect: Effect, hope: float = -np.inf) -> Plans:
         """Return the forms of an effect with their starts; those that are far from winning `hope` have none."""
         runs = len(self.engine.simulators)
         if effect.name in parameter_table().active_effects(self.parent.values[0]):
@@ -157,7 +168,7 @@ class Bank:
         return [(hypothesis, self._starts(hypothesis, hope)) for hypothesis in hypotheses_of(effect, runs)]
 
     def _starts(self, hypothesis: Hypothesis, hope: float) -> list[Start]:
-        """Return where to start a form; nowhere if what it may change is far from winning `hope`, to first order."""
+        """Return where to start a form; nowhere if no start wins `hope`, nor all they may change, to first order."""
         effect = registry()[hypothesis.effect]
         choices = declared_starts(hypothesis, self._measured(effect))
         few = self.distinct.get(hypothesis, range(len(choices)))
@@ -165,7 +176,8 @@ class Bank:
         if hypothesis not in self.distinct:
             self.distinct[hypothesis] = distinct_of(list(probes.values()))
         unmoved = self.prober.probes(hypothesis, single_steps(hypothesis, choices))
-        if OPTIMISM * self.prober.reach([*probes.values(), *unmoved]) < hope:
+        promised = [OPTIMISM * self.prober.reach([*probes.values(), *unmoved])]
+        if max(promised + [probe.declared.promise for probe in probes.values()]) < hope:
             return []
         if not hypothesis.held and not any(effect.parameter(n).starts for n in hypothesis.names):
             return [Start(self.parent.values, 0.0)]  # linear at its null value
@@ -173,9 +185,7 @@ class Bank:
         probes |= zip(rest, self.prober.probes(hypothesis, [choices[i] for i in rest]), strict=True)
         return self.prober.best_starts(hypothesis, choices, 1, [probes[i] for i in range(len(choices))])
 
-    def _scanned(
-        self, effect: Effect, candidates: Sequence[Candidate]
-    ) -> list[tuple[Hypothesis, list[Start]]]:
+    def _scanned(self, effect: Effect, candidates: Sequence[Candidate]) -> Plans:
         """Turn candidates of a scan into starts, with strengths tried by simulation."""
         plans = []
         best = max((c.promise for c in candidates), default=0.0)
@@ -221,16 +231,8 @@ class Bank:
 
     def _begun(self, hypothesis: Hypothesis, start: Start, worth: float = 0.0) -> Ranked:
         """Fit one hypothesis at the parent's noise; what does not get near the gain `worth` is given up early."""
-        taken = {(slot.place, slot.run) for slot in self.parent.slots}
-        simulators = self.engine.simulators
-        free = slots_of(hypothesis, len(simulators), scale_of(simulators[0]))
-        new = [s for s in free if (s.place, s.run) not in taken]
-        slots = (*self.parent.slots, *new)
-        known, noise, hope = (
-            self.parent.columns,
-            self.parent.noise,
-            self.parent.score + max(self._worth, worth),
-        )
+        slots, known, noise = self._slots_with(hypothesis), self.parent.columns, self.parent.noise
+        hope = self.parent.score + max(self._worth, worth)
         linear = start.values is self.parent.values
         fit = self.engine.fit(
             start.values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope, linear=linear
@@ -241,6 +243,13 @@ class Bank:
                 values, slots, noise, known=known, steps=FIRST_STEPS, hope=hope, linear=True
             )
         return self._ranked(hypothesis, fit)
+
+    def _slots_with(self, hypothesis: Hypothesis) -> tuple[Slot, ...]:
+        """Return the numbers of the parent and those that a form has besides."""
+        taken = {(slot.place, slot.run) for slot in self.parent.slots}
+        simulators = self.engine.simulators
+        free = slots_of(hypothesis, len(simulators), scale_of(simulators[0]))
+        return (*self.parent.slots, *(s for s in free if (s.place, s.run) not in taken))
 
     def _extended(self, effect: Effect, begun: Sequence[Ranked]) -> list[Ranked]:
         """Begin the closures that extend one which has won something, here or in the parent, each from the best."""
@@ -304,19 +313,19 @@ class Bank:
     def _ranked(self, hypothesis: Hypothesis, fit: Fit) -> Ranked:
         """Return the fit with its evidence, at the parent's point where it came out worse."""
         if fit.score < self.parent.score - NESTING_SLACK:
-            fit = self._at_parent(fit)
+            fit = self._at_parent(fit.slots)
         gain = fit.score - self.parent.score
         return Ranked(hypothesis, fit, evidence_of(fit, self.parent, self.engine.count), gain)
 
-    def _at_parent(self, fit: Fit) -> Fit:
+    def _at_parent(self, slots: tuple[Slot, ...]) -> Fit:
         """Return the parent's point as a point of the larger model: the effect found nothing to explain."""
         parent = self.parent
-        extra = len(fit.slots) - len(parent.slots)
+        extra = len(slots) - len(parent.slots)
         nothing = tuple(np.zeros((*c.shape[:2], extra)) for c in parent.columns)
-        covariance = np.zeros((len(fit.slots), len(fit.slots)))
+        covariance = np.zeros((len(slots), len(slots)))
         covariance[: len(parent.slots), : len(parent.slots)] = parent.covariance
         return Fit(
-            parent.values, fit.slots, parent.noise, parent.log_likelihood, parent.log_prior, covariance,
+            parent.values, slots, parent.noise, parent.log_likelihood, parent.log_prior, covariance,
             parent.simulated, (parent.columns, nothing),
         )  # fmt: skip
 

@@ -17,11 +17,12 @@ from fsm_calib.diagnosis.fitting.fit import AT_A_TIME, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.simulator import Simulator
-from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part, project, winnings
+from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part, winnings
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 
 CHECKED = 4  # starts whose promise is checked by simulation
+NO_POWER = 1e-12  # squared whitened units: a change that the base can make wholly has none
 NO_CHANGE = 1e-9  # squared whitened units: below it a start changes nothing that is seen
 LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
 LIKE = 0.1  # of its power: a change of which the others leave no more tells nothing that they do not tell
@@ -72,14 +73,9 @@ class Prober:
             )
         ]
 
-    def amplitude(self, columns: Sequence[FloatArray]) -> tuple[float, float]:
-        """Return amplitude and promised log-likelihood of one change, the base re-fitted linearly."""
-        x = project(self.residual, columns)[:, 0]
-        power = float(x @ x)
-        if power <= 1e-12:
-            return 0.0, 0.0
-        amplitude = float(x @ self.residual.psi) / power
-        return amplitude, 0.5 * amplitude * amplitude * power * np.sign(amplitude)
+    def _white(self, tried: Sequence[FloatArray]) -> FloatArray:
+        """Return what several parameters (R, p) change, whitened (N, m)."""
+        return self.residual.engine.white_columns(self.residual.whiteners, self._changes(tried))
 
     def gain(self, columns: Sequence[FloatArray]) -> float:
         """Return the log-likelihood that a change wins as it stands, base re-fitted linearly; -inf for none at all."""
@@ -99,7 +95,7 @@ class Prober:
 
     def _probes(self, hypothesis: Hypothesis, choices: Sequence[Changes]) -> list[Probe]:
         tried = [with_values(self.parent.values, choice, hypothesis.run) for choice in choices]
-        white = self.residual.engine.white_columns(self.residual.whiteners, self._changes(tried))
+        white = self._white(tried)
         gains, free = self._gains(white), free_part(self.residual, white)
         return [
             Probe(Start(values, float(gain)), self._scaled(hypothesis, choice, column), column)
@@ -110,8 +106,8 @@ class Prober:
         """Return a start with its strengths scaled by what the data ask for, within what a secant is trusted over."""
         effect = registry()[hypothesis.effect]
         power, score = float(column @ column), float(column @ self.residual.psi)
-        amplitude = score / max(power, 1e-12)
-        if power <= 1e-12 or (amplitude <= 0 and not _two_sided(effect, hypothesis)):
+        amplitude = score / max(power, NO_POWER)
+        if power <= NO_POWER or (amplitude <= 0 and not _two_sided(effect, hypothesis)):
             return None
         size = np.clip(abs(amplitude), 1 / LARGEST_RESCALE, LARGEST_RESCALE)
         scale = float(np.sign(amplitude) * size)
@@ -146,8 +142,10 @@ class Prober:
         """
         tried = self.probes(hypothesis, choices) if probes is None else probes
         starts = [probe.declared for probe in tried]
-        guessed = sorted((p.scaled for p in tried if p.scaled), key=lambda start: -start.promise)
-        starts += [Start(s.values, self.gain(self.columns(s.values))) for s in guessed[:CHECKED]]
+        guessed = sorted((p.scaled for p in tried if p.scaled), key=lambda start: -start.promise)[:CHECKED]
+        if guessed:
+            gains = self._gains(self._white([s.values for s in guessed]))
+            starts += [Start(s.values, float(gain)) for s, gain in zip(guessed, gains, strict=True)]
         own = [n for n in hypothesis.names if registry()[hypothesis.effect].parameter(n).per_recording]
         if own and hypothesis.run == ALL_RUNS and len(self.simulators) > 1:
             starts.append(self._mixed(choices))
@@ -155,16 +153,29 @@ class Prober:
 
     def _mixed(self, choices: Sequence[Changes]) -> Start:
         """Combine the best choice of each recording."""
-        values = self.parent.values.copy()
-        best: list[tuple[float, FloatArray]] = []
-        for run in range(len(self.simulators)):
-            promises = []
-            for choice in choices:
-                candidate = with_values(self.parent.values, choice, run)
-                promises.append((self.amplitude(self.columns(candidate))[1], candidate[run]))
-            best.append(max(promises, key=lambda pair: pair[0]))
-            values[run] = best[-1][1]
-        return Start(values, sum(max(promise, 0.0) for promise, _ in best))
+        tried = [with_values(self.parent.values, choice) for choice in choices]
+        promises = np.hstack(
+            [self._promised_by_run(tried[i : i + AT_A_TIME]) for i in range(0, len(tried), AT_A_TIME)]
+        )
+        best = promises.argmax(axis=1)
+        values = np.array([tried[choice][run] for run, choice in enumerate(best)])
+        return Start(values, float(np.maximum(promises.max(axis=1), 0.0).sum()))
+
+    def _promised_by_run(self, tried: Sequence[FloatArray]) -> FloatArray:
+        """Return what several parameters (R, p) promise where they hold in one recording alone, (R, m).
+
+        0.5 A^2 P, negative for an amplitude A < 0; P the power of a change without what the base can do.
+        """
+        white = self._white(tried)
+        ends = np.cumsum([w.prepared.innovations for w in self.residual.whiteners])
+        promises = []
+        for begin, end in zip([0, *ends[:-1]], ends, strict=True):
+            alone = np.zeros_like(white)
+            alone[begin:end] = white[begin:end]
+            free = free_part(self.residual, alone)
+            power, score = np.sum(free * free, axis=0), free.T @ self.residual.psi
+            promises.append(0.5 * score * np.abs(score) / np.maximum(power, NO_POWER))
+        return np.array(promises)
 
 
 def distinct_of(probes: Sequence[Probe]) -> list[int]:

@@ -85,7 +85,7 @@ class Selector:
 
         An event counts with what happened of its kind in the other recordings: others explain all of them, too.
         """
-        found = bank.rank(self.catalogue if effects is None else effects, self.progress)
+        found = bank.rank(self.catalogue if effects is None else effects, self.progress, self.needed)
         told = [r for r in self._polish(found, parent) if self._is_told(r)]
         least = max(self.needed, EVENT_SHARE * told[0].evidence) if told else 0.0
         whole = [self._in_every_recording(r) if r.evidence >= least else r for r in told]
