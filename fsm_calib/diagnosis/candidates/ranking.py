@@ -107,23 +107,23 @@ class Bank:
         """Fit all effects in all their forms; return the best form of each, largest evidence first.
 
         Where a model already has effects, only the best joins it in this round: what stays far below the best so far
-        is given up early, and asked again in the next. On the base robot all are fitted where one has more evidence
-        than `noticed`; where none has, a form that promises nothing has won nothing.
+        is given up early, and asked again in the next. So it is on the base robot once one has more evidence than
+        `noticed`; where none has, every effect has its place, and a form that promises nothing has won nothing.
         """
-        on_base, most = not self.scanner.worth, 0.0
+        is_found, most = self.scanner.worth > 0.0, 0.0
         begun: dict[str, list[Ranked]] = {}
         left: dict[str, list[Hypothesis]] = {}
         for effect in effects:
             progress(effect.name)
-            hope = self._worth if on_base else max(self._worth, FAR_BELOW * most)
+            hope = max(self._worth, FAR_BELOW * most) if is_found else self._worth
             plans = self.plans(effect, hope)
-            begun[effect.name] = self._all_begun(effect, plans, hope)
+            found = begun[effect.name] = self._all_begun(effect, plans, hope)
             left[effect.name] = [form for form, starts in plans if not starts]
-            most = max([most, *(ranked.gain for ranked in begun[effect.name])])
-        if on_base:
-            fitted = any(ranked.evidence > noticed for found in begun.values() for ranked in found)
+            most = max([most, *(ranked.gain for ranked in found)])
+            is_found = is_found or any(ranked.evidence > noticed for ranked in found)
+        if not is_found:
             for name, forms in left.items():
-                begun[name] += self._promising_nothing(name, forms, fitted)
+                begun[name] += [self._without_gain(form) for form in forms[:1]]
         kept = [kept for found in begun.values() for kept in self._kept(found)]
         near = self._near(kept)
         done = [self._finished(ranked) if ranked.name in near else ranked for ranked in kept]
@@ -138,12 +138,9 @@ class Bank:
         begun = [self._begun(form, start, hope) for form, starts in plans for start in starts]
         return begun + self._extended(effect, begun)
 
-    def _promising_nothing(self, name: str, forms: Sequence[Hypothesis], fitted: bool) -> list[Ranked]:
-        """Return forms that promise nothing, begun where they are to be fitted, else the first, without a gain."""
-        if fitted or not forms:
-            plans = [(form, self._starts(form, -np.inf)) for form in forms]
-            return self._all_begun(registry()[name], plans, self._worth)
-        return [self._ranked(forms[0], self._at_parent(self._slots_with(forms[0])))]
+    def _without_gain(self, form: Hypothesis) -> Ranked:
+        """Return a form that promises nothing as one that has won nothing."""
+        return self._ranked(form, self._at_parent(self._slots_with(form)))
 
     def _kept(self, begun: Sequence[Ranked]) -> list[Ranked]:
         """Return the best form of an effect and the others that are worth more time."""
