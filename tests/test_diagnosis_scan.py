@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 from diagnosis_robots import engine_of, recording, with_encoders
 
-from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts
+from fsm_calib.diagnosis.candidates.hypotheses import (
+    Hypothesis,
+    declared_starts,
+    hypotheses_of,
+    starts_move_all,
+)
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.scan import DEFAULTS, SCANS, scan_of
 from fsm_calib.diagnosis.candidates.scan_markers import (
@@ -78,19 +83,22 @@ def test_a_limit_that_is_seldom_reached_is_found():
     assert ranked.fit.slot_values()[-1] == pytest.approx(0.45, abs=0.01)
 
 
-@pytest.mark.parametrize(
-    ("noticed", "ranked"), [(14.0, ["motor_deadband"]), (np.inf, ["motor_deadband", "floor_tilt"])]
-)
-def test_what_promises_nothing_has_a_place_where_nothing_is_noticed_but_is_not_fitted(
-    monkeypatch, noticed, ranked
-):
+@pytest.mark.parametrize(("noticed", "fitted"), [(14.0, True), (np.inf, False)])
+def test_what_promises_nothing_is_fitted_only_beside_what_is_noticed(monkeypatch, noticed, fitted):
     bank, begun = bank_of(recording(0, motor_deadband__offset=0.05)), []
     fit = Bank._begun
     monkeypatch.setattr(Bank, "_begun", lambda *a, **k: begun.append(a[1].effect) or fit(*a, **k))
-    found = bank.rank([registry()[name] for name in ("motor_deadband", "floor_tilt")], noticed=noticed)
-    assert [r.name for r in found] == ranked
-    assert set(begun) == {"motor_deadband"}
-    assert all(r.gain == 0.0 for r in found[1:])
+    asked = [registry()[name] for name in ("motor_deadband", "floor_tilt")]
+    first, last = bank.rank(asked, noticed=noticed)
+    assert (first.name, last.name) == ("motor_deadband", "floor_tilt")
+    assert ("floor_tilt" in begun) == fitted
+    assert last.gain < 2.0
+
+
+def test_starts_that_leave_a_number_where_it_is_do_not_judge_a_form():
+    forms = {form.closure: form for form in hypotheses_of(registry()["caster_drag"], 1)}
+    assert starts_move_all(forms["drag alone"])
+    assert not starts_move_all(forms["drag and arm"])  # a caster may sit anywhere
 
 
 def test_what_a_start_promises_in_one_recording_is_what_it_promises_where_the_others_have_none():

@@ -147,6 +147,15 @@ def single_steps(hypothesis: Hypothesis, choices: Sequence[Mapping[str, float]])
     return [{**hypothesis.held, full: p.null + slot_of(full).step} for full, p in unmoved]
 
 
+def starts_move_all(hypothesis: Hypothesis) -> bool:
+    """Return whether the starts of a form move all its numbers but strengths, which single steps move.
+
+    What starts promise says nothing of a spring whose end none of them moves.
+    """
+    parameters = map(registry()[hypothesis.effect].parameter, hypothesis.names)
+    return all(p.strength or p.starts for p in parameters)
+
+
 def _only_strength(effect: Effect, hypothesis: Hypothesis, name: str) -> bool:
     """Return whether `name` is the first strength of the hypothesis: it must not start at its null value."""
     strengths = [n for n in hypothesis.names if effect.parameter(n).strength]

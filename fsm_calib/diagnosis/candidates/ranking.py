@@ -14,6 +14,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     hypotheses_of,
     single_steps,
     slots_of,
+    starts_move_all,
 )
 from fsm_calib.diagnosis.candidates.scan import Candidate, Scanner, scan_of
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
@@ -107,30 +108,27 @@ class Bank:
         """Fit all effects in all their forms; return the best form of each, largest evidence first.
 
         Where a model already has effects, only the best joins it in this round: what stays far below the best so far
-        is given up early, and asked again in the next. So it is on the base robot once one has more evidence than
-        `noticed`; where none has, every effect has its place, and a form that promises nothing has won nothing.
+        is given up early, and asked again in the next. On the base robot all are fitted where one has more evidence
+        than `noticed`; where none has, a form that promises nothing has won nothing.
         """
-        is_found, most = self.scanner.worth > 0.0, 0.0
+        on_base, most = not self.scanner.worth, 0.0
         begun: dict[str, list[Ranked]] = {}
         left: dict[str, list[Hypothesis]] = {}
         for effect in effects:
             progress(effect.name)
-            hope = max(self._worth, FAR_BELOW * most) if is_found else self._worth
+            hope = self._worth if on_base else max(self._worth, FAR_BELOW * most)
             plans = self.plans(effect, hope)
-            found = begun[effect.name] = self._all_begun(effect, plans, hope)
+            begun[effect.name] = self._all_begun(effect, plans, hope)
             left[effect.name] = [form for form, starts in plans if not starts]
-            most = max([most, *(ranked.gain for ranked in found)])
-            is_found = is_found or any(ranked.evidence > noticed for ranked in found)
-        if not is_found:
+            most = max([most, *(ranked.gain for ranked in begun[effect.name])])
+        if on_base:
+            fitted = any(ranked.evidence > noticed for found in begun.values() for ranked in found)
             for name, forms in left.items():
-                begun[name] += [self._without_gain(form) for form in forms[:1]]
+                begun[name] += self._promising_nothing(name, forms, fitted)
         kept = [kept for found in begun.values() for kept in self._kept(found)]
         near = self._near(kept)
         done = [self._finished(ranked) if ranked.name in near else ranked for ranked in kept]
-        best: dict[str, Ranked] = {}
-        for ranked in done:
-            if ranked.name not in best or ranked.evidence > best[ranked.name].evidence:
-                best[ranked.name] = ranked
+        best = {ranked.name: ranked for ranked in sorted(reversed(done), key=lambda r: r.evidence)}
         return sorted(best.values(), key=lambda r: -r.evidence)
 
     def _all_begun(self, effect: Effect, plans: Plans, hope: float) -> list[Ranked]:
@@ -138,9 +136,12 @@ class Bank:
         begun = [self._begun(form, start, hope) for form, starts in plans for start in starts]
         return begun + self._extended(effect, begun)
 
-    def _without_gain(self, form: Hypothesis) -> Ranked:
-        """Return a form that promises nothing as one that has won nothing."""
-        return self._ranked(form, self._at_parent(self._slots_with(form)))
+    def _promising_nothing(self, name: str, forms: Sequence[Hypothesis], fitted: bool) -> list[Ranked]:
+        """Return forms that promise nothing, begun where they are to be fitted, else the first, without a gain."""
+        if fitted or not forms:
+            plans = [(form, self._starts(form, -np.inf)) for form in forms]
+            return self._all_begun(registry()[name], plans, self._worth)
+        return [self._ranked(forms[0], self._at_parent(self._slots_with(forms[0])))]
 
     def _kept(self, begun: Sequence[Ranked]) -> list[Ranked]:
         """Return the best form of an effect and the others that are worth more time."""
@@ -174,7 +175,8 @@ class Bank:
             self.distinct[hypothesis] = distinct_of(list(probes.values()))
         unmoved = self.prober.probes(hypothesis, single_steps(hypothesis, choices))
         promised = [OPTIMISM * self.prober.reach([*probes.values(), *unmoved])]
-        if max(promised + [probe.declared.promise for probe in probes.values()]) < hope:
+        promised += [probe.declared.promise for probe in probes.values()]
+        if max(promised) < hope and (self.scanner.worth or starts_move_all(hypothesis)):
             return []
         if not hypothesis.held and not any(effect.parameter(n).starts for n in hypothesis.names):
             return [Start(self.parent.values, 0.0)]  # linear at its null value
