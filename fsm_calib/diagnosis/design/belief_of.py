@@ -23,6 +23,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.starts import Prober
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
+from fsm_calib.diagnosis.design.floor_here import floor_instead
 from fsm_calib.diagnosis.design.odds import DETECT, log_odds, room_of
 from fsm_calib.diagnosis.design.unseen import ANY_PHASE, unseen
 from fsm_calib.diagnosis.fitting.base import slot_of
@@ -157,7 +158,8 @@ def _something(decision: Decision, lasting: Sequence[Effect]) -> list[Weighed]:
     fitted = _likeliest([*_singles(decision, len(lasting)), *_several(decision, len(lasting))])
     if decision.outcome == "explained":
         answer = _answer(decision, len(lasting))
-        return [*_likeliest([answer, *fitted]), *_hidden_beside(decision, answer, lasting)]
+        floor = _floor_here(decision, len(lasting))
+        return [*_likeliest([answer, *fitted, *floor]), *_hidden_beside(decision, answer, lasting)]
     lasts = {e.name for e in lasting}  # of what happened once, and is not said, a new drive tells nothing
     led = lasts & {name for _, h in fitted for name in h.names if h.room <= 0.0}  # won as much as a name must
     named = [weighed for weighed in fitted if led.issuperset(weighed[1].names)]
@@ -218,6 +220,19 @@ def _several(decision: Decision, catalogue: int) -> Iterator[Weighed]:
         for rival in support.rivals:
             other = (*names[:i], rival.name, *names[i + 1 :])
             yield _weighed(total - rival.gap.evidence, rival.fit, other, base, catalogue)
+
+
+def _floor_here(decision: Decision, catalogue: int) -> Iterator[Weighed]:
+    """Yield the answer with the floor that was driven on in the place of one of its effects (`floor_here.py`)."""
+    told, base, engine = _told(decision), decision.base, decision.engine
+    names = tuple(s.name for s in told)
+    total = evidence_of(decision.model.fit, base, engine.count)
+    for i, support in enumerate(told):
+        for here in floor_instead(engine, support.without, support.added.evidence, decision.asked):
+            lacks = support.added.evidence - here.evidence
+            other = (*names[:i], here.found.name, *names[i + 1 :])
+            odds, hypothesis = _weighed(total - lacks, here.found.fit, other, base, catalogue)
+            yield odds + here.prior, hypothesis
 
 
 def _weighed(evidence: float, fit: Fit, names: tuple[str, ...], base: Fit, catalogue: int) -> Weighed:
