@@ -158,7 +158,7 @@ def _something(decision: Decision, lasting: Sequence[Effect]) -> list[Weighed]:
     fitted = _likeliest([*_singles(decision, len(lasting)), *_several(decision, len(lasting))])
     if decision.outcome == "explained":
         answer = _answer(decision, len(lasting))
-        floor = _floor_here(decision, len(lasting))
+        floor = _floor_here(decision, answer, len(lasting))
         return [*_likeliest([answer, *fitted, *floor]), *_hidden_beside(decision, answer, lasting)]
     lasts = {e.name for e in lasting}  # of what happened once, and is not said, a new drive tells nothing
     led = lasts & {name for _, h in fitted for name in h.names if h.room <= 0.0}  # won as much as a name must
@@ -222,8 +222,11 @@ def _several(decision: Decision, catalogue: int) -> Iterator[Weighed]:
             yield _weighed(total - rival.gap.evidence, rival.fit, other, base, catalogue)
 
 
-def _floor_here(decision: Decision, catalogue: int) -> Iterator[Weighed]:
-    """Yield the answer with the floor that was driven on in the place of one of its effects (`floor_here.py`)."""
+def _floor_here(decision: Decision, answer: Weighed, catalogue: int) -> Iterator[Weighed]:
+    """Yield the answer with the floor that was driven on in the place of one of its effects (`floor_here.py`).
+
+    It is not believed in more than the answer: it has no name until a drive has left it.
+    """
     told, base, engine = _told(decision), decision.base, decision.engine
     names = tuple(s.name for s in told)
     total = evidence_of(decision.model.fit, base, engine.count)
@@ -232,7 +235,7 @@ def _floor_here(decision: Decision, catalogue: int) -> Iterator[Weighed]:
             lacks = support.added.evidence - here.evidence
             other = (*names[:i], here.found.name, *names[i + 1 :])
             odds, hypothesis = _weighed(total - lacks, here.found.fit, other, base, catalogue)
-            yield odds + here.prior, hypothesis
+            yield min(odds + here.prior, answer[0]), hypothesis
 
 
 def _weighed(evidence: float, fit: Fit, names: tuple[str, ...], base: Fit, catalogue: int) -> Weighed:
