@@ -12,7 +12,9 @@ from fsm_calib.world2d.dynamics import AXLE
 from fsm_calib.world2d.effects import registry
 
 ROUGH, FRICTION = registry()["rough_floor_patch"], registry()["coulomb_friction"]
-MAT = {"drag": 0.5, "x": 0.1, "y": -0.1, "half_x": 0.6, "half_y": 0.6, "spread": 1.0}
+DRAG = 0.5  # N
+NUMBERS = {"drag": DRAG, "x": 0.1, "y": -0.1, "half_x": 0.6, "half_y": 0.6, "spread": 1.0}
+MAT = {f"rough_floor_patch__{name}": value for name, value in NUMBERS.items()}
 
 
 def fitted(**changes):
@@ -24,7 +26,7 @@ def fitted(**changes):
 
 @pytest.fixture(scope="module")
 def on_a_mat():
-    return fitted(**{f"rough_floor_patch__{name}": value for name, value in MAT.items()})
+    return fitted(**MAT)
 
 
 def test_a_mat_that_was_not_left_explains_what_friction_does(on_a_mat):
@@ -33,7 +35,7 @@ def test_a_mat_that_was_not_left_explains_what_friction_does(on_a_mat):
     assert added > 50.0
     assert here.evidence > 0.75 * added
     assert here.found.hypothesis.names == ("drag",)
-    assert here.found.fit.slot_values()[-1] == pytest.approx(MAT["drag"], abs=0.1)
+    assert here.found.fit.slot_values()[-1] == pytest.approx(DRAG, abs=0.1)
 
 
 def test_a_robot_with_friction_of_its_own_may_have_stood_on_one_by_the_prior_alone():
@@ -44,8 +46,7 @@ def test_a_robot_with_friction_of_its_own_may_have_stood_on_one_by_the_prior_alo
 
 
 def test_a_belief_in_friction_holds_the_floor_that_was_driven_on():
-    mat = {f"rough_floor_patch__{name}": value for name, value in MAT.items()}
-    decision = decided([recording(3, 10.0, **mat)], ["coulomb_friction", "rough_floor_patch"])
+    decision = decided([recording(3, 10.0, **MAT)], ["coulomb_friction", "rough_floor_patch"])
     assert [b.name for b in decision.named] == ["coulomb_friction"]
     assert {("coulomb_friction",), ("rough_floor_patch",)} <= {
         h.names for h in belief_of(decision).hypotheses

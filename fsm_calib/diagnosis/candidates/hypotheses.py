@@ -15,7 +15,7 @@ import numpy as np
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
 from fsm_calib.diagnosis.replay.simulator import Simulator
-from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.effects import Closure, Effect, registry
 from fsm_calib.world2d.scale import SMALL, Scale
 
 MOST_STARTS = 24
@@ -154,6 +154,15 @@ def starts_move_all(hypothesis: Hypothesis) -> bool:
     """
     parameters = map(registry()[hypothesis.effect].parameter, hypothesis.names)
     return all(p.strength or p.starts for p in parameters)
+
+
+def asked_for(effect: Effect, given: set[str]) -> list[Closure]:
+    """Return the closures of an event whose times are those that a scan gives (a begin, or a length, too)."""
+    if effect.scan != "time":
+        return list(effect.competing)
+    times = {p.name for p in effect.parameters if not p.strength}
+    differ = [len((set(closure.frees) ^ given) & times) for closure in effect.competing]
+    return [c for c, number in zip(effect.competing, differ, strict=True) if number == min(differ)]
 
 
 def _only_strength(effect: Effect, hypothesis: Hypothesis, name: str) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from fsm_calib.diagnosis.candidates.extended import beyond
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
+    asked_for,
     declared_starts,
     hypotheses_of,
     single_steps,
@@ -26,7 +27,7 @@ from fsm_calib.diagnosis.replay.simulator import scale_of
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.score_tests import residual_of
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects import Closure, Effect, registry
+from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
 FIRST_STEPS, LAST_STEPS = 6, 6  # Gauss-Newton steps before and after the noise is fitted again
@@ -124,24 +125,30 @@ class Bank:
         if on_base:
             fitted = any(ranked.evidence > noticed for found in begun.values() for ranked in found)
             for name, forms in left.items():
-                begun[name] += self._promising_nothing(name, forms, fitted)
+                begun[name] += (
+                    self._asked_again(name, forms) if fitted else map(self._without_gain, forms[:1])
+                )
         kept = [kept for found in begun.values() for kept in self._kept(found)]
         near = self._near(kept)
         done = [self._finished(ranked) if ranked.name in near else ranked for ranked in kept]
-        best = {ranked.name: ranked for ranked in sorted(reversed(done), key=lambda r: r.evidence)}
-        return sorted(best.values(), key=lambda r: -r.evidence)
+        best: dict[str, Ranked] = {}
+        for ranked in sorted(done, key=lambda r: -r.evidence):
+            best.setdefault(ranked.name, ranked)
+        return list(best.values())
 
     def _all_begun(self, effect: Effect, plans: Plans, hope: float) -> list[Ranked]:
         """Return the forms of an effect begun from their starts, and the closures that extend those which win."""
         begun = [self._begun(form, start, hope) for form, starts in plans for start in starts]
         return begun + self._extended(effect, begun)
 
-    def _promising_nothing(self, name: str, forms: Sequence[Hypothesis], fitted: bool) -> list[Ranked]:
-        """Return forms that promise nothing, begun where they are to be fitted, else the first, without a gain."""
-        if fitted or not forms:
-            plans = [(form, self._starts(form, -np.inf)) for form in forms]
-            return self._all_begun(registry()[name], plans, self._worth)
-        return [self._ranked(forms[0], self._at_parent(self._slots_with(forms[0])))]
+    def _asked_again(self, name: str, forms: Sequence[Hypothesis]) -> list[Ranked]:
+        """Return forms of an effect that promise nothing, begun all the same."""
+        plans = [(form, self._starts(form, -np.inf)) for form in forms]
+        return self._all_begun(registry()[name], plans, self._worth)
+
+    def _without_gain(self, form: Hypothesis) -> Ranked:
+        """Return a form that promises nothing as one that has won nothing."""
+        return self._ranked(form, self._at_parent(self._slots_with(form)))
 
     def _kept(self, begun: Sequence[Ranked]) -> list[Ranked]:
         """Return the best form of an effect and the others that are worth more time."""
@@ -193,7 +200,7 @@ class Bank:
             if candidate.promise < wanted or self.scanner.hopeless(candidate.promise):
                 continue
             given = {n.split(".")[1] for n in candidate.changes}
-            for closure in _asked_for(effect, given):
+            for closure in asked_for(effect, given):
                 names = closure.frees
                 strengths = {p.name for p in effect.parameters if p.strength}
                 if (given & strengths) - set(names):
@@ -327,15 +334,6 @@ class Bank:
             parent.values, slots, parent.noise, parent.log_likelihood, parent.log_prior, covariance,
             parent.simulated, (parent.columns, nothing),
         )  # fmt: skip
-
-
-def _asked_for(effect: Effect, given: set[str]) -> list[Closure]:
-    """Return the closures of an event whose times are those that a scan gives (a begin, or a length, too)."""
-    if effect.scan != "time":
-        return list(effect.competing)
-    times = {p.name for p in effect.parameters if not p.strength}
-    differ = [len((set(closure.frees) ^ given) & times) for closure in effect.competing]
-    return [c for c, number in zip(effect.competing, differ, strict=True) if number == min(differ)]
 
 
 def parameters_of(ranked: Ranked) -> dict[str, FloatArray]:

@@ -46,7 +46,7 @@ from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.diagnosis.replay.simulator import Simulator, scale_of
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import place_centres
-from fsm_calib.diagnosis.shapes.score_tests import Residual
+from fsm_calib.diagnosis.shapes.score_tests import NO_POWER, Residual
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.parameters import parameter_table
@@ -57,7 +57,7 @@ MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
 SHIFTED_TRIED = 120  # the same of shifted ones, where three numbers make jumps of chance larger
 GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
 CHUNK = 32
-RIDGE, NO_POWER = 1e-9, 1e-12  # a candidate that the base robot can take over wholly has no power of its own
+RIDGE = 1e-9  # of its power, added to a candidate's own
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ from fsm_calib.diagnosis.candidates.scan_tried import responses
 from fsm_calib.diagnosis.fitting.fit import AT_A_TIME, Fit
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.simulator import Simulator
-from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part, winnings
+from fsm_calib.diagnosis.shapes.score_tests import NO_POWER, Residual, free_part, winnings
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 
@@ -31,7 +31,6 @@ SETTLE_STEPS = (0.06, 0.03)  # m, by which centre and edges of the best places a
 KEPT = 3
 PLACES_APART = 0.18  # m
 MOMENT_STEP, MOMENTS_APART = 0.25, 1.0  # s
-LEAST_POWER = 1e-12
 
 Changes = Mapping[str, float]
 
@@ -64,7 +63,7 @@ class Trial:
         """Return what simulated changes (n, 5, m) of each recording promise, (m,): as they are, or scaled."""
         white = self.residual.engine.white_columns(self.residual.whiteners, columns)
         x = free_part(self.residual, white)
-        size = x.T @ self.residual.psi / np.maximum(np.sum(x * x, axis=0), LEAST_POWER)
+        size = x.T @ self.residual.psi / np.maximum(np.sum(x * x, axis=0), NO_POWER)
         scale = np.clip(np.abs(size), 1.0 / LARGEST_RESCALE, LARGEST_RESCALE) * np.sign(size)
         scale = np.where((size > 0.0) | self._two_sided(), scale, 0.0)
         scaled = winnings(self.residual, white * scale)

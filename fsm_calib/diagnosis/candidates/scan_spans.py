@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsm_calib.diagnosis.shapes.score_tests import Residual
+from fsm_calib.diagnosis.shapes.score_tests import NO_POWER, Residual
 from fsm_calib.types import FloatArray
 
 COARSE, FINE = 0.75, 0.15  # s between edges
@@ -59,7 +59,7 @@ def _best(residual: Residual, run: int, cells: Cells, sizes: tuple[float, float]
     gram[1:, 1:] = np.cumsum(np.cumsum(white.T @ white - inside.T @ inside, axis=0), axis=1)
     i, j = np.triu_indices(len(edges), 1)
     power = gram[j, j] - gram[i, j] - gram[j, i] + gram[i, i]
-    amplitude = (score[j] - score[i]) / np.maximum(power, 1e-12)
+    amplitude = (score[j] - score[i]) / np.maximum(power, NO_POWER)
     counts = (np.abs(amplitude) > sizes[0]) & (np.abs(amplitude) < sizes[1])
     promise = np.where(counts, 0.5 * amplitude**2 * power, 0.0)
     best = int(np.argmax(promise))

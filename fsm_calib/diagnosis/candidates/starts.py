@@ -17,12 +17,11 @@ from fsm_calib.diagnosis.fitting.fit import AT_A_TIME, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.simulator import Simulator
-from fsm_calib.diagnosis.shapes.score_tests import Residual, free_part, winnings
+from fsm_calib.diagnosis.shapes.score_tests import NO_POWER, Residual, free_part, winnings
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 
 CHECKED = 4  # starts whose promise is checked by simulation
-NO_POWER = 1e-12  # squared whitened units: a change that the base can make wholly has none
 NO_CHANGE = 1e-9  # squared whitened units: below it a start changes nothing that is seen
 LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
 LIKE = 0.1  # of its power: a change of which the others leave no more tells nothing that they do not tell
@@ -166,14 +165,11 @@ class Prober:
 
         0.5 A^2 P, negative for an amplitude A < 0; P the power of a change without what the base can do.
         """
-        white = self._white(tried)
-        ends = np.cumsum([w.prepared.innovations for w in self.residual.whiteners])
-        promises = []
-        for begin, end in zip([0, *ends[:-1]], ends, strict=True):
-            alone = np.zeros_like(white)
-            alone[begin:end] = white[begin:end]
-            free = free_part(self.residual, alone)
-            power, score = np.sum(free * free, axis=0), free.T @ self.residual.psi
+        r, white, promises = self.residual, self._white(tried), []
+        for rows in map(r.rows, range(len(self.simulators))):
+            inside = r.basis[rows].T @ white[rows]
+            score = r.psi[rows] @ white[rows] - r.psi_inside @ inside
+            power = np.sum(white[rows] ** 2, axis=0) - np.sum(inside * inside, axis=0)
             promises.append(0.5 * score * np.abs(score) / np.maximum(power, NO_POWER))
         return np.array(promises)
 

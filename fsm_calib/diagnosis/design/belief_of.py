@@ -2,7 +2,8 @@
 
 Odds follow from the diagnosis' evidence by one law (`odds`). Every effect that won no evidence may still hide, alone
 where nothing was detected or what is missing has no name, else beside the answer, at sizes that matter, as far as the
-drives allow (`unseen`). Events happen once; in a new drive they change nothing.
+drives allow (`unseen`). Events happen once; in a new drive they change nothing. What an effect explains may be of the
+floor that was driven on (`floor_here`).
 """
 
 from __future__ import annotations
@@ -218,8 +219,7 @@ def _several(decision: Decision, catalogue: int) -> Iterator[Weighed]:
         if len(rest) > 1:
             yield _weighed(total - support.added.evidence, support.without, rest, base, catalogue)
         for rival in support.rivals:
-            other = (*names[:i], rival.name, *names[i + 1 :])
-            yield _weighed(total - rival.gap.evidence, rival.fit, other, base, catalogue)
+            yield _in_place_of(decision, i, rival.name, rival.fit, rival.gap.evidence, catalogue)
 
 
 def _floor_here(decision: Decision, answer: Weighed, catalogue: int) -> Iterator[Weighed]:
@@ -227,15 +227,19 @@ def _floor_here(decision: Decision, answer: Weighed, catalogue: int) -> Iterator
 
     It is not believed in more than the answer: it has no name until a drive has left it.
     """
-    told, base, engine = _told(decision), decision.base, decision.engine
-    names = tuple(s.name for s in told)
-    total = evidence_of(decision.model.fit, base, engine.count)
-    for i, support in enumerate(told):
-        for here in floor_instead(engine, support.without, support.added.evidence, decision.asked):
-            lacks = support.added.evidence - here.evidence
-            other = (*names[:i], here.found.name, *names[i + 1 :])
-            odds, hypothesis = _weighed(total - lacks, here.found.fit, other, base, catalogue)
+    for i, support in enumerate(_told(decision)):
+        added = support.added.evidence
+        for here in floor_instead(decision.engine, support.without, added, decision.asked):
+            found, lacks = here.found, added - here.evidence
+            odds, hypothesis = _in_place_of(decision, i, found.name, found.fit, lacks, catalogue)
             yield min(odds + here.prior, answer[0]), hypothesis
+
+
+def _in_place_of(decision: Decision, i: int, name: str, fit: Fit, lacks: float, catalogue: int) -> Weighed:
+    """Return an answer with another effect in the place of its `i`-th; `lacks`: evidence, beside the answer's."""
+    names = [s.name for s in _told(decision)]
+    total = evidence_of(decision.model.fit, decision.base, decision.engine.count)
+    return _weighed(total - lacks, fit, (*names[:i], name, *names[i + 1 :]), decision.base, catalogue)
 
 
 def _weighed(evidence: float, fit: Fit, names: tuple[str, ...], base: Fit, catalogue: int) -> Weighed:

@@ -70,13 +70,11 @@ def visited(engine: Engine, fit: Fit) -> Area | None:
     poses = [s.prepared.poses for s in engine.simulators]
     if not all(p.placed for p in poses):
         return None
-    x, y = np.concatenate([p.x for p in poses]), np.concatenate([p.y for p in poses])
-    arm, middle = (
-        0.5 * float(fit.values[0, AXLE]) + MARGIN,
-        0.5 * (np.array([x.min() + x.max(), y.min() + y.max()])),
-    )
-    half_x, half_y = 0.5 * float(np.ptp(x)) + arm, 0.5 * float(np.ptp(y)) + arm
-    return Area(float(middle[0]), float(middle[1]), half_x, half_y, spread=1.0, roundness=0.0)
+    path = np.concatenate([np.column_stack([p.x, p.y]) for p in poses])
+    low, high = path.min(axis=0), path.max(axis=0)
+    x, y = (0.5 * (low + high)).tolist()
+    half_x, half_y = (0.5 * (high - low + fit.values[0, AXLE]) + MARGIN).tolist()
+    return Area(x, y, half_x, half_y, spread=1.0, roundness=0.0)
 
 
 def prior_of(effect: Effect, half_x: float, half_y: float) -> float:

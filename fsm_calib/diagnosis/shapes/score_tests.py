@@ -24,6 +24,9 @@ from fsm_calib.diagnosis.likelihood.robust import Whitener, log_kernel, robust_w
 from fsm_calib.diagnosis.shapes.features import Group
 from fsm_calib.types import FloatArray
 
+NO_POWER = (
+    1e-12  # squared whitened units: a change that the base robot can make wholly has no power of its own
+)
 ALPHA = 0.003  # probability with which chance may pass for a finding: beyond three standard deviations
 SPANNED = (
     1e-12  # share of its squared length that a group must keep beside what is fitted, which rounding does not

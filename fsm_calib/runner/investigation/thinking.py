@@ -10,11 +10,7 @@ import numpy as np
 
 from fsm_calib.actions.investigating import Field, InvestigationBench
 from fsm_calib.diagnosis.design.area import Area
-from fsm_calib.diagnosis.design.belief import (
-    Belief,
-    beside_the_leader,
-    without_unlikely_more,
-)
+from fsm_calib.diagnosis.design.belief import Belief, beside_the_leader, without_unlikely_more
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
 from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design, foretold
 from fsm_calib.diagnosis.design.plan import Plan
