@@ -12,7 +12,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     hypotheses_of,
     starts_move_all,
 )
-from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.ranking import Bank, parameters_of
 from fsm_calib.diagnosis.candidates.scan import DEFAULTS, SCANS, scan_of
 from fsm_calib.diagnosis.candidates.scan_markers import (
     HEADING,
@@ -25,6 +25,7 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
 from fsm_calib.diagnosis.candidates.scan_slides import Slides
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.diagnosis.proof.plausible import stands_out
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.shapes.score_tests import project, winnings
 from fsm_calib.world2d.effects import registry
@@ -310,6 +311,21 @@ def test_a_kick_is_not_asked_how_long_it_lasted():
     bank = bank_of(recording(0, **push), recording(1))
     closures = {form.closure for form, _ in bank.plans(registry()["external_push"])}
     assert closures == {"push"}
+
+
+def test_several_pushes_of_a_drive_are_offered_and_fitted_together():
+    begins = {"start": 15.2, "start_2": 6.0, "start_3": 29.0}
+    turns = {"impulse_turn": 0.06, "impulse_turn_2": -0.05, "impulse_turn_3": 0.05}
+    numbers = {f"external_push__{name}": value for name, value in {**begins, **turns}.items()}
+    bank = bank_of(recording(0, **numbers), recording(1))
+    (form, (start,)), *others = (
+        p for p in bank.plans(registry()["external_push"]) if "pushes" in p[0].closure
+    )
+    assert (form.closure, form.run, others) == ("three pushes", 0, [])
+    found = bank.fit(form, start)
+    told = sorted(float(parameters_of(found)[name][0]) for name in begins)
+    np.testing.assert_allclose(told, sorted(begins.values()), atol=0.1)
+    assert stands_out(found, 14.0)
 
 
 def test_disturbances_fade_only_after_a_robot_has_come_to_rest():

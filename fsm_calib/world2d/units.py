@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
+from functools import cache
 
 from fsm_calib.errors import UnknownNameError
 
@@ -26,6 +27,7 @@ NAMED: dict[str, tuple[int, int, int]] = {
 POWER = re.compile(r"([A-Za-z]+|1)(-?\d+)?$")
 
 
+@cache
 def dimension(unit: str) -> Dimension:
     """Return the dimension of a unit; factors are separated by spaces, one slash divides by all that follow it.
 

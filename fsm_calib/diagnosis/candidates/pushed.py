@@ -6,17 +6,22 @@ J [N s, N s, N m s] the impulse ahead, to the left and about the vertical at the
 the whitened increments of the seconds in which it shows, r their residual, w the robust weights; d_i a nudge along each
 of the three, of a size that moves a robot. A robot that stands, or that is pushed sideways, does not move until dry
 friction or its tyres give way, and the motors of one robot hold it a hundred times as stiffly as those of another: a
-rule for the first guess misses by as much. Source: Gauss-Newton with secants, halved while it makes things worse.
+rule for the first guess misses by as much. A speed controller ends at once what a hand began, and shows it again, the
+other way, where the hand lets go: how long it leant is asked of the simulation, too (of a robot that was leant on three
+times in a drive 14 to 15 units by speed errors that last became 33 to 45). Source: Gauss-Newton with secants, halved
+while it makes things worse.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.scan_pushes import KICK, SEEN, are_apart, fitted, innovations_of
+from fsm_calib.diagnosis.candidates.candidate import GROWTH
+from fsm_calib.diagnosis.candidates.scan_pushes import KICK, SEEN, are_apart, fitted
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.likelihood.robust import log_kernel
 from fsm_calib.diagnosis.replay.passage import Passages
@@ -24,52 +29,80 @@ from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.score_tests import Residual
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
+from fsm_calib.world2d.effects.numbered import numbered
 from fsm_calib.world2d.scale import Scale
 
 IMPULSES = ("impulse_x", "impulse_y", "impulse_turn")
 ROUNDS = 3  # of Gauss-Newton: what is left of a push is fitted in full anyway
 HALVINGS = 2
 SHIFTS = (-0.2, -0.1, 0.1, 0.2)  # s about a moment of the scan
+LEANT = (0.5, 0.8, 1.2, 1.7, 2.5)  # s for which somebody may have leant on it
 SHARE = 0.6  # of a strength's bounds within which its first guess lies
-MOST_STANDING = 4  # pushes of one recording that may all be real
+CLEARLY = 0.6  # of what the next moment wins: by so much more the least of several pushes stands out from it
 NUDGE = 0.2  # of the impulse so far, the size of the next nudges
 
 
 @dataclass(frozen=True, eq=False)
 class Pushed:
-    """A push of one recording: start and length [s], start values by full name, log-likelihood that it wins."""
+    """A push of one recording: start and length [s], start values by full name, log-likelihood that it wins.
+
+    seen : what a speed error about that moment wins; it may be more, where the first guess is a little off.
+    """
 
     run: int
     start: float
     length: float
     changes: Mapping[str, float]
     won: float
+    seen: float = 0.0
+
+    @property
+    def promise(self) -> float:
+        """The log-likelihood that a fit from here may win."""
+        return max(self.won, self.seen)
 
     def is_apart_from(self, other: Pushed) -> bool:
         """Return whether this push of the same recording begins well after the other's end, or ends well before it."""
         return bool(are_apart(np.array(self.start), self.length, other.start, other.length))
 
 
-def standing(pushes: Sequence[Pushed], run: int, worth: float) -> list[Pushed]:
-    """Return the pushes of one recording, most first, that each win `worth` more than whatever else happened there.
+def standing(pushes: Iterable[Pushed], run: int, worth: float, most: int) -> list[Pushed]:
+    """Return the pushes of one recording, most first, that stand out together from whatever else happened there.
 
-    At least its best one. Who pushes a robot once may push it again: two alike would deny each other.
+    At least its best one, at most `most`. Who pushes a robot once may push it again: two alike would deny each other.
+    What is inexact somewhere falls off from moment to moment as exponentials do, of which k times the gap between the
+    kth and the next is one more: that gap is to be worth a push, as the kth is, and CLEARLY a part of what the next
+    wins.
+    Source: Renyi, Acta Math. Hung. 4 (1953) 191.
     """
     apart: list[Pushed] = []
     for push in sorted((p for p in pushes if p.run == run), key=lambda p: -p.won):
         if all(push.is_apart_from(other) for other in apart):
             apart.append(push)
-    gaps = [apart[k - 1].won - apart[k].won for k in range(1, min(MOST_STANDING + 1, len(apart)))]
-    size = max((k for k, gap in enumerate(gaps, 1) if gap >= worth), default=1)
+    won = [push.won for push in apart] + [worth / GROWTH]  # what was not tried promised less
+    sizes = range(1, min(most + 1, len(won)))
+    gaps = {k: won[k - 1] - won[k] for k in sizes if won[k - 1] >= worth}
+    size = max((k for k, gap in gaps.items() if k * gap >= worth and gap >= CLEARLY * won[k]), default=1)
     return apart[:size]
 
 
-def known_beside(push: Pushed, others: Sequence[Pushed], worth: float) -> dict[int, list[Pushed]]:
+def known_beside(push: Pushed, standing: Mapping[int, Sequence[Pushed]]) -> dict[int, Sequence[Pushed]]:
     """Return of each recording the pushes that are no argument against this one: itself and what stands as it does."""
-    known = {run: standing(others, run, worth) for run in {other.run for other in others}}
+    known = dict(standing)
     if all(push.is_apart_from(other) for other in known.get(push.run, [])):
         known[push.run] = [push]
     return known
+
+
+def together(pushes: Sequence[Pushed], effect: Effect) -> dict[str, float]:
+    """Return the start values of several pushes of one recording, by full name, each with how long it lasted."""
+    usual = {f"{effect.name}.duration": effect.parameter("duration").null}
+    each = enumerate(pushes, 1)
+    return {
+        numbered(full, time): value
+        for time, push in each
+        for full, value in {**usual, **push.changes}.items()
+    }
 
 
 def best_apart_from(others: Sequence[Pushed], known: Mapping[int, Sequence[Pushed]]) -> float:
@@ -83,7 +116,7 @@ class Moment:
     """A moment of one recording, with all that a push there is judged by.
 
     passages : of the parent model in that recording, of which only the push's seconds are simulated; scale : of the
-    robot.
+    robot; seen : what a speed error here wins.
     """
 
     effect: Effect
@@ -94,61 +127,76 @@ class Moment:
     start: float
     length: float
     scale: Scale
+    seen: float = 0.0
 
-    def best(self) -> Pushed:
-        """Return the push that wins most about here: what a kick began a controller ends in a tenth of a second."""
-        shifts = SHIFTS if self.length <= KICK else ()
-        moments = [self, *(replace(self, start=self.start + shift) for shift in shifts)]
-        return max((moment.push() for moment in moments), key=lambda push: push.won)
+    def kick(self) -> Pushed:
+        """Return the kick that wins most about here: what it began a controller ends in a tenth of a second."""
+        return _most(moment.push() for moment in (self, *self._shifted()))
 
-    def push(self) -> Pushed:
-        """Return the push that wins most here."""
-        rows, nu = self._rows(), self.residual.engine.nu
-        white = self.residual.white[rows]
+    def held(self) -> Pushed:
+        """Return the push of some length that wins most, of those that begin, or end, about here."""
+        tried = [
+            replace(self, start=start, length=length)
+            for length in LEANT
+            for start in (self.start, self.start + self.length - length)
+        ]
+        best = _most(moment.push(rounds=1) for moment in tried)
+        about = replace(self, start=best.start, length=best.length)
+        best = _most([best, *(moment.push(rounds=1) for moment in about._shifted())])
+        return replace(about, start=best.start).push()
+
+    def _shifted(self) -> list[Moment]:
+        """Return the moments a little before and after."""
+        return [replace(self, start=self.start + shift) for shift in SHIFTS]
+
+    def push(self, rounds: int = ROUNDS) -> Pushed:
+        """Return the push that wins most here, after some rounds."""
+        nu, white = self.residual.engine.nu, self._white
         impulse: FloatArray = np.zeros(3)
         done: FloatArray = np.zeros(len(white))
         won, nudge = 0.0, self._nudge()
-        for _ in range(ROUNDS):
-            ahead = self._changed([impulse + d for d in np.diag(nudge)], rows) - done[:, None]
+        for _ in range(rounds):
+            ahead = self._changed([impulse + d for d in np.diag(nudge)]) - done[:, None]
             _, step = fitted(ahead / nudge, white - done, nu)
-            better = self._uphill(impulse, step, rows, won)
+            better = self._uphill(impulse, step, won)
             if better is None:
                 break
             impulse, done, won = better
             nudge = np.maximum(NUDGE * np.abs(impulse), NUDGE * self._nudge())
-        return Pushed(self.run, self.start, self.length, self._named(impulse), won)
+        return Pushed(self.run, self.start, self.length, self._named(impulse), won, self.seen)
 
     def _uphill(
-        self, impulse: FloatArray, step: FloatArray, rows: slice, won: float
+        self, impulse: FloatArray, step: FloatArray, won: float
     ) -> tuple[FloatArray, FloatArray, float] | None:
         """Return the impulse after a step, what it changes and wins; None where no part of the step wins more."""
-        white, nu = self.residual.white[rows], self.residual.engine.nu
+        white, nu = self._white, self.residual.engine.nu
         before = log_kernel(white, nu)
         tried = [np.clip(impulse + 0.5**k * step, *self._bounds()) for k in range(HALVINGS + 1)]
-        changed = self._changed(tried, rows)
+        changed = self._changed(tried)
         wins = [float(log_kernel(white - column, nu) - before) for column in changed.T]
         best = int(np.argmax(wins))
         return (tried[best], changed[:, best], wins[best]) if wins[best] > won else None
 
-    def _changed(self, impulses: list[FloatArray], rows: slice) -> FloatArray:
-        """Return what pushes (3,) change in the whitened increments of the rows (n, m)."""
-        engine, (_, before) = self.residual.engine, innovations_of(self.residual, self.run)
+    def _changed(self, impulses: list[FloatArray]) -> FloatArray:
+        """Return what pushes (3,) change in the whitened increments of the seconds in which they show (n, m)."""
+        first, last = self._seconds
         pushed = [with_values(self.passages.values[None], self._named(impulse)) for impulse in impulses]
-        columns = self.passages.changes(np.vstack(pushed), [self._seconds()])
-        white = engine.white_columns((self.residual.whiteners[self.run],), [columns])
-        return white[rows.start - before : rows.stop - before]
+        columns = self.passages.changes(np.vstack(pushed), [self._seconds])[first : last + 1]
+        return -self.residual.whiteners[self.run].of_span(columns, first, last)
 
+    @cached_property
     def _seconds(self) -> tuple[int, int]:
         """Return the first and last event of the recording between which the push shows."""
         time = self.passages.simulator.prepared.time
         first, last = np.searchsorted(time, (self.start, self.start + self.length + SEEN)).tolist()
         return max(first - 1, 0), min(last, len(time) - 1)
 
-    def _rows(self) -> slice:
-        """Return the innovations of all recordings in which the push shows."""
-        times, before = innovations_of(self.residual, self.run)
-        first, last = np.searchsorted(times, (self.start, self.start + self.length + SEEN)).tolist()
-        return slice(before + first, before + last)
+    @cached_property
+    def _white(self) -> FloatArray:
+        """The whitened innovations (n,) of the seconds in which the push shows."""
+        scored, (first, last) = self.passages.simulator.prepared.scored, self._seconds
+        begin = self.residual.rows(self.run).start + int(scored[:first].sum())
+        return self.residual.white[begin : begin + int(scored[first : last + 1].sum())]
 
     def _nudge(self) -> FloatArray:
         """Return impulses (3,) that move a robot: the typical ones, at the force of a kick."""
@@ -172,3 +220,7 @@ class Moment:
         held = {f"{name}.duration": self.length} if self.length > KICK else {}
         named = {f"{name}.{n}": float(v) for n, v in zip(IMPULSES, values, strict=True)}
         return {**named, f"{name}.start": self.start, **held}
+
+
+def _most(pushes: Iterable[Pushed]) -> Pushed:
+    return max(pushes, key=lambda push: push.won)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.candidate import Candidate
 from fsm_calib.diagnosis.candidates.extended import beyond
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
@@ -17,7 +18,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     slots_of,
     starts_move_all,
 )
-from fsm_calib.diagnosis.candidates.scan import Candidate, Scanner, scan_of
+from fsm_calib.diagnosis.candidates.scan import Scanner, scan_of
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
@@ -225,11 +226,14 @@ class Bank:
         return strongest([*tried, *map(self._finished, self._extended(effect, tried))])
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
-        """Return the best event of the same closure in another recording; None where nothing is in sight there."""
+        """Return the best event of its kind in another recording; None where nothing is in sight there.
+
+        A motor that fails is the same one in every recording; a push may last elsewhere, or come several times.
+        """
         effect = registry()[event.effect]
+        alike = {c.name for c in effect.closures} if effect.when == "moment" else {event.closure}
         plans = self._scanned(effect, self.scanner.candidates(effect))
-        asked = [p for p in plans if (p[0].run, p[0].closure) == (run, event.closure)]
-        return strongest(self._fitted(asked))
+        return strongest(self._fitted(p for p in plans if p[0].run == run and p[0].closure in alike))
 
     def _fitted(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> list[Ranked]:
         """Return every form, fitted from each of its starts."""

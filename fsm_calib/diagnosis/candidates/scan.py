@@ -10,15 +10,16 @@ starts of full fits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import product
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.candidate import GROWTH, Candidate
 from fsm_calib.diagnosis.candidates.distinct import apart
-from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, best_apart_from, known_beside
+from fsm_calib.diagnosis.candidates.push_search import PushSearch
 from fsm_calib.diagnosis.candidates.scan_areas import Area, boxes, drag_columns, settled, strips
 from fsm_calib.diagnosis.candidates.scan_default import (
     MOMENTS_APART,
@@ -36,7 +37,7 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
     jumps_of,
     likely_discs,
 )
-from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, STEP, Pushes, pushes
+from fsm_calib.diagnosis.candidates.scan_pushes import STEP
 from fsm_calib.diagnosis.candidates.scan_slides import Slides
 from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
@@ -55,22 +56,8 @@ PITCH = 0.12  # m between candidate centres: a third of a common patch's diamete
 KEEP = 3
 MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
 SHIFTED_TRIED = 120  # the same of shifted ones, where three numbers make jumps of chance larger
-GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
 CHUNK = 32
 RIDGE = 1e-9  # of its power, added to a candidate's own
-
-
-@dataclass(frozen=True, slots=True)
-class Candidate:
-    """Start values by full parameter name, for one recording or all (-1), and the promised log-likelihood.
-
-    elsewhere : what the best other moment promises, from which this one has to stand out.
-    """
-
-    changes: Mapping[str, float]
-    promise: float
-    run: int = -1
-    elsewhere: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,44 +197,9 @@ class Scanner:
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
     def pushes(self, effect: Effect) -> list[Candidate]:
-        """Return pushes of one recording, most promising first, each with what the best one apart from it promises.
-
-        Those that are held promise their length, too, which costs a number more.
-        """
-        kicks, held = self._pushes_of(effect, (KICK,)), self._pushes_of(effect, HELD)
-        best = kicks[0].promise if kicks else 0.0
-        cost = 0.5 * float(np.log(self.residual.engine.count))
-        return kicks + [candidate for candidate in held if candidate.promise > best + cost]
-
-    def _pushes_of(self, effect: Effect, lengths: Sequence[float]) -> list[Candidate]:
-        """Return the best pushes of given lengths [s], each as large as a simulation of it asks for."""
-        tried = [
-            pushes(self.residual, run, s, length)
-            for run, s in enumerate(self.situations)
-            for length in lengths
-        ]
-        seen = [(one, int(b)) for one in tried for b in apart(one.won, one.starts[:, None], KEEP, 2 * STEP)]
-        seen = sorted(seen, key=lambda moment: -moment[0].won[moment[1]])[: 2 * KEEP]
-        simulated = [self._pushed(effect, one, float(one.starts[b])) for one, b in seen]
-        promises = [max(push.won, float(one.won[b])) for (one, b), push in zip(seen, simulated, strict=True)]
-        found = [
-            Candidate(push.changes, promise, push.run, self._beside(push, simulated, tried))
-            for push, promise in zip(simulated, promises, strict=True)
-        ]
-        return sorted(found, key=lambda c: -c.promise)[:KEEP]
-
-    def _beside(self, push: Pushed, simulated: Sequence[Pushed], tried: Sequence[Pushes]) -> float:
-        """Return the most that a moment wins which is neither this push nor one that stands out as it does."""
-        worth = 0.5 * len(push.changes) * float(np.log(self.residual.engine.count))
-        known = known_beside(push, simulated, worth)
-        told = {run: [(p.start, p.length) for p in pushes] for run, pushes in known.items()}
-        linear = max(one.won_apart_from(told.get(one.run, ()), push.run) for one in tried)
-        return max(linear, best_apart_from(simulated, known))
-
-    def _pushed(self, effect: Effect, one: Pushes, start: float) -> Pushed:
-        run, scale, situation = one.run, scale_of(self.simulators[0]), self.situations[one.run]
-        passages = self.passages[run]
-        return Moment(effect, passages, self.residual, situation, run, start, one.length, scale).best()
+        """Return pushes of one recording, and several at once where they stand out together."""
+        scale = scale_of(self.simulators[0])
+        return PushSearch(effect, self.residual, self.situations, self.passages, scale).candidates(KEEP)
 
     def tried_places(self, effect: Effect) -> list[Candidate]:
         """Return places where any effect of a place promises most, tried by simulation."""

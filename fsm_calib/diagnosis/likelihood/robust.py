@@ -58,6 +58,19 @@ class Whitener:
         )  # fmt: skip
         return out
 
+    def of_span(self, increments: FloatArray, first: int, last: int) -> FloatArray:
+        """Return the rows of `columns` (k, m) that the events from `first` to `last` have, where none before has any.
+
+        increments : (last - first + 1, 5, m), of these events.
+        """
+        p, here = self.prepared, slice(first, last + 1)
+        out = np.empty((int(p.scored[here].sum()), increments.shape[2]))
+        mean_pass(
+            p.rotation[here], p.step[here], p.seen[here], p.restart[here], self.moves[here], self.gains[here],
+            self.scale[here], self.jitter, np.ascontiguousarray(increments), np.zeros_like(p.y[here]), out,
+        )  # fmt: skip
+        return out
+
     def residual(self, simulated: FloatArray) -> FloatArray:
         """Return the whitened innovations, shape (N,), of simulated increments (n, 5)."""
         return self.columns((simulated - self.prepared.step)[:, :, None], measured=True)[:, 0]

@@ -17,6 +17,7 @@ from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects.numbered import starts_in
 from fsm_calib.world2d.parameters import parameter_table
 
 AT_BOUND = 1e-4  # of the range between the bounds: nearer, a number rests there
@@ -77,14 +78,20 @@ def lasts(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
 
 
 def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
-    """Return whether poses were taken while a momentary event began, and for a while after; True for other effects."""
+    """Return whether poses were taken while momentary events began, and for a while after; True for other effects."""
     if registry()[ranked.name].when != "moment":
         return True
-    run = ranked.hypothesis.run
-    start = float(ranked.fit.values[run, parameter_table().place(f"{ranked.name}.start")])
+    table, run = parameter_table(), ranked.hypothesis.run
     time = simulators[run].prepared.poses.time
-    after = int(np.searchsorted(time, start))
-    if after == 0 or start > time[-1] - SHORTEST_SPAN:
+    starts = starts_in(ranked.hypothesis.names) or ["start"]
+    moments = [float(ranked.fit.values[run, table.place(f"{ranked.name}.{start}")]) for start in starts]
+    return all(_is_watched(time, moment) for moment in moments)
+
+
+def _is_watched(time: FloatArray, moment: float) -> bool:
+    """Return whether poses at the times (n,) [s] were taken at a moment [s] and for a while after."""
+    after = int(np.searchsorted(time, moment))
+    if after == 0 or moment > time[-1] - SHORTEST_SPAN:
         return False
     return float(time[after] - time[after - 1]) <= LONGEST_BLINK
 

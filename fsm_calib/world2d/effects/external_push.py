@@ -1,9 +1,9 @@
-r"""Somebody or something pushes the robot once, at a blow or for as long as a hand leans on it.
+r"""Somebody or something pushes the robot, at a blow or for as long as a hand leans on it; once, or several times.
 
     F = (impulse_x, impulse_y) / duration,  M = impulse_turn / duration      start <= t < start + duration
 
-F [N] in `world` at the axle centre, M [N m], impulses [N s] and [N m s], start and duration [s]. Source:
-momentum balance.
+F [N] in `world` at the axle centre, M [N m], impulses [N s] and [N m s], start and duration [s]; each push of a drive
+has its own. Source: momentum balance.
 """
 
 from __future__ import annotations
@@ -11,60 +11,72 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.numbered import COUNTS, further, numbered
 from fsm_calib.world2d.effects.places import overlap
 from fsm_calib.world2d.forces import add_force
 from fsm_calib.world2d.slots import COS, SIN, STEP, TIME
 
+MOST = 5  # pushes of one drive
+OF_EACH = 5  # numbers of a push
+
 
 @njit(error_model="numpy")
 def push(P, o, S, m, W):
-    """Add the push for the part of the step that it covers."""
-    part = overlap(S[TIME], S[TIME] + W[STEP], P[o + 3], P[o + 3] + P[o + 4]) / P[o + 4]
-    fx, fy = part * P[o], part * P[o + 1]
-    add_force(W, W[COS] * fx + W[SIN] * fy, W[COS] * fy - W[SIN] * fx, part * P[o + 2])
+    """Add each push for the part of the step that it covers."""
+    for first in range(o, o + MOST * OF_EACH, OF_EACH):
+        start, duration = P[first + 3], P[first + 4]
+        part = overlap(S[TIME], S[TIME] + W[STEP], start, start + duration) / duration
+        if part > 0.0:
+            fx, fy = part * P[first], part * P[first + 1]
+            turn = part * P[first + 2]
+            add_force(W, W[COS] * fx + W[SIN] * fy, W[COS] * fy - W[SIN] * fx, turn)
+
+
+ONE = (
+    Parameter("impulse_x", "J_x", "N s", 0.0, -40.0, 40.0, 0.4, "a nudge: 0.2 to 1 N s", per_recording=True),
+    Parameter(
+        "impulse_y", "J_y", "N s", 0.0, -40.0, 40.0, 0.2, "a nudge", per_recording=True, mirror="negate"
+    ),
+    Parameter(
+        "impulse_turn", "J_w", "N m s", 0.0, -4.0, 4.0, 0.02, "a nudge", per_recording=True, mirror="negate"
+    ),
+    Parameter("start", "t0", "s", 0.0, -1.0, 1e5, 7.15, "any", strength=False, per_recording=True, step=5e-3),
+    Parameter(
+        "duration",
+        "dt",
+        "s",
+        0.2,
+        0.02,
+        8.0,
+        0.2,
+        "0.1 to 0.4 s; a hand stays for seconds",
+        strength=False,
+        per_recording=True,
+        step=5e-3,
+    ),
+)
+"""The numbers of one push, in the order of the hook."""
+
+
+def several(count: int) -> Closure:
+    """Return the closure of so many pushes in one drive."""
+    names = [[numbered(p.name, time) for p in ONE] for time in range(1, count + 1)]
+    times = [f"at {{{numbered('start', time)}}}" for time in range(1, count + 1)]
+    said = f"{', '.join(times[:-1])} and {times[-1]}"
+    return Closure(
+        f"{COUNTS[count]} pushes",
+        tuple(name for one in names for name in one),
+        f"{COUNTS[count]} of them in one drive",
+        sentence=f"Something pushed the robot {said}, the first time by ({{impulse_x}}, {{impulse_y}}).",
+    )
 
 
 EFFECT = Effect(
     name="external_push",
     family="event",
-    summary="one push from outside",
+    summary="a push from outside",
     equation="F = impulse / duration from start",
-    parameters=(
-        Parameter(
-            "impulse_x", "J_x", "N s", 0.0, -40.0, 40.0, 0.4, "a nudge: 0.2 to 1 N s", per_recording=True
-        ),
-        Parameter(
-            "impulse_y", "J_y", "N s", 0.0, -40.0, 40.0, 0.2, "a nudge", per_recording=True, mirror="negate"
-        ),
-        Parameter(
-            "impulse_turn",
-            "J_w",
-            "N m s",
-            0.0,
-            -4.0,
-            4.0,
-            0.02,
-            "a nudge",
-            per_recording=True,
-            mirror="negate",
-        ),
-        Parameter(
-            "start", "t0", "s", 0.0, -1.0, 1e5, 7.15, "any", strength=False, per_recording=True, step=5e-3
-        ),
-        Parameter(
-            "duration",
-            "dt",
-            "s",
-            0.2,
-            0.02,
-            8.0,
-            0.2,
-            "0.1 to 0.4 s; a hand stays for seconds",
-            strength=False,
-            per_recording=True,
-            step=5e-3,
-        ),
-    ),
+    parameters=(*ONE, *further(ONE, MOST)),
     hooks={"step": push},
     reads=("heading",),
     channels=("forward", "lateral", "turn"),
@@ -82,6 +94,7 @@ EFFECT = Effect(
             "a force that lasts",
             sentence="From {start} something pushed the robot for {duration} by ({impulse_x}, {impulse_y}) in all.",
         ),
+        *(several(count) for count in range(2, MOST + 1)),
     ),
     when="moment",
     acts_on="push",

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects.closure import Closure
 from fsm_calib.world2d.effects.effect import Effect
+from fsm_calib.world2d.effects.numbered import is_later
 
 HEAD = """# The catalogue of effects
 
@@ -20,13 +22,16 @@ where, when or how.
 def parameter_lines(effect: Effect) -> list[str]:
     """Return the rows of the parameters' table."""
     rows = ["| parameter | symbol | unit | null | bounds | typical | |", "|---|---|---|---|---|---|---|"]
-    for p in effect.parameters:
+    later = [p.name for p in effect.parameters if is_later(p.name)]
+    for p in (p for p in effect.parameters if p.name not in later):
         kinds = ["strength" if p.strength else "where, when, how"]
         kinds += ["per recording"] * p.per_recording + ["not fitted"] * (not p.fitted)
         rows.append(
             f"| `{p.name}` | {p.symbol} | {p.unit} | {p.null:g} | {p.low:g} to {p.high:g} | {p.typical:g} "
             f"| {', '.join(kinds)} |"
         )
+    if later:
+        rows += ["", f"Each later one of the same recording has all of these, `{later[0]}` to `{later[-1]}`."]
     return rows
 
 
@@ -35,10 +40,18 @@ def closure_lines(effect: Effect) -> list[str]:
     if len(effect.closures) < 2:
         return []
     said = [
-        f"*{c.name}* ({', '.join(f'`{n}`' for n in c.frees)}): {c.summary}{' (once it is found)' if c.refines else ''}"
+        f"*{c.name}* ({_freed(c)}): {c.summary}{' (once it is found)' if c.refines else ''}"
         for c in effect.closures
     ]
     return [f"- **Closures**: {'; '.join(said)}."]
+
+
+def _freed(closure: Closure) -> str:
+    """Return the numbers that a closure frees, those of later times told by the last."""
+    names = [f"`{name}`" for name in closure.frees if not is_later(name)]
+    return ", ".join(names) + (
+        f", and so on to `{closure.frees[-1]}`" if len(names) < len(closure.frees) else ""
+    )
 
 
 def section(effect: Effect) -> str:

@@ -1,0 +1,135 @@
+"""Who pushed the robot, when and how often? Moments that stand out by speed errors, each then tried by simulation.
+
+Kicks, and pushes that last, are sought apart: these have a number more, and a length for which anything slow may stand
+in. What stands out together (`pushed.standing`) is offered as one: several pushes of a drive are one effect, and each
+alone leaves the others to speak against it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.candidate import GROWTH, Candidate
+from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.candidates.pushed import (
+    Moment,
+    Pushed,
+    best_apart_from,
+    known_beside,
+    standing,
+    together,
+)
+from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, Pushes, pushes
+from fsm_calib.diagnosis.replay.passage import Passages
+from fsm_calib.diagnosis.replay.situation import Situation
+from fsm_calib.diagnosis.shapes.score_tests import Residual
+from fsm_calib.world2d.effects import Effect
+from fsm_calib.world2d.effects.numbered import starts_in
+from fsm_calib.world2d.scale import Scale
+
+SIMULATED = 6  # moments of one recording that are tried by simulation, more than may stand together
+SAME = 1.0  # s between the middles of two of them
+
+
+@dataclass(frozen=True, eq=False)
+class PushSearch:
+    """The search for pushes on top of one model.
+
+    passages : of that model, one a recording; scale : of the robot.
+    """
+
+    effect: Effect
+    residual: Residual
+    situations: Sequence[Situation]
+    passages: Sequence[Passages]
+    scale: Scale
+
+    def candidates(self, keep: int) -> list[Candidate]:
+        """Return at most `keep` kicks and as many that last, most promising first, and what stands out together.
+
+        A push that lasts costs a number more, so it has to promise as much more than the best kick.
+        """
+        kicks = self._each(self._kicks, self._seen[:1], keep)
+        best = max((candidate.promise for candidate in kicks), default=0.0)
+        held = self._each(self._held, self._seen[1:], keep)
+        lasting = [candidate for candidate in held if candidate.promise > best + 0.5 * self._price]
+        return kicks + lasting + list(self._together())
+
+    @property
+    def _price(self) -> float:
+        """The evidence that one number must bring [1]."""
+        return float(np.log(self.residual.engine.count))
+
+    @property
+    def _worth(self) -> float:
+        """The log-likelihood that the numbers of a push which lasts must win."""
+        return 0.5 * self._price * len(self.effect.closure("held").frees)
+
+    @cached_property
+    def _seen(self) -> list[list[Pushes]]:
+        """By length, kicks first: what speed errors that begin at each moment of each recording win."""
+        runs = range(len(self.situations))
+        return [
+            [pushes(self.residual, run, self.situations[run], length) for run in runs]
+            for length in (KICK, *HELD)
+        ]
+
+    @cached_property
+    def _kicks(self) -> list[Pushed]:
+        """The kicks that a simulation finds about the moments that stand out most."""
+        return [moment.kick() for moment in self._moments(self._seen[:1])]
+
+    @cached_property
+    def _held(self) -> list[Pushed]:
+        """The pushes that last, found in the same way, also where a kick stands out: it may be how one began."""
+        return [moment.held() for moment in self._moments(self._seen)]
+
+    def _moments(self, seen: Iterable[Sequence[Pushes]]) -> Iterator[Moment]:
+        """Yield the moments that promise most, of some lengths and apart in time; those that may be worth a push."""
+        by_run = zip(*seen, strict=True)
+        for run, lengths in enumerate(by_run):
+            won = np.concatenate([one.won for one in lengths])
+            starts = np.concatenate([one.starts for one in lengths])
+            length = np.concatenate([np.full(len(one.starts), one.length) for one in lengths])
+            middle = (starts + 0.5 * length)[:, None]
+            for i in apart(won, middle, SIMULATED, SAME):
+                if GROWTH * won[i] >= self._worth:
+                    told = run, float(starts[i]), float(length[i]), self.scale, float(won[i])
+                    yield Moment(self.effect, self.passages[run], self.residual, self.situations[run], *told)
+
+    def _standing(self, found: Sequence[Pushed]) -> Mapping[int, list[Pushed]]:
+        """Return of each recording the pushes that stand out together, at least its best one of those found."""
+        most = len(starts_in(p.name for p in self.effect.parameters))
+        return {run: standing(found, run, self._worth, most) for run in {push.run for push in found}}
+
+    def _each(
+        self, simulated: Sequence[Pushed], seen: Iterable[Sequence[Pushes]], keep: int
+    ) -> list[Candidate]:
+        """Return the best of some pushes, each by itself."""
+        tried, stand = [one for lengths in seen for one in lengths], self._standing(simulated)
+        found = []
+        for push in simulated:
+            known = known_beside(push, stand)
+            elsewhere = max(_linear(tried, push.run, known), best_apart_from(simulated, known))
+            found.append(Candidate(push.changes, push.promise, push.run, elsewhere))
+        return sorted(found, key=lambda candidate: -candidate.promise)[:keep]
+
+    def _together(self) -> Iterator[Candidate]:
+        """Yield of each recording what stands out together, where that is more than one."""
+        tried, found = [one for lengths in self._seen for one in lengths], [*self._kicks, *self._held]
+        stand = self._standing(found)
+        for run, several in stand.items():
+            if len(several) > 1:
+                elsewhere = max(_linear(tried, run, stand), best_apart_from(found, stand))
+                won = sum(push.promise for push in several)
+                yield Candidate(together(several, self.effect), won, run, elsewhere)
+
+
+def _linear(tried: Iterable[Pushes], own: int, known: Mapping[int, Sequence[Pushed]]) -> float:
+    """Return the most that a speed error wins at a moment which is none of the `known` pushes of its recording."""
+    told = {run: [(p.start, p.length) for p in pushes] for run, pushes in known.items()}
+    return max(one.won_apart_from(told.get(one.run, ()), own) for one in tried)
