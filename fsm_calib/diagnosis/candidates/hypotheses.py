@@ -16,6 +16,7 @@ from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.world2d.effects import Closure, Effect, registry
+from fsm_calib.world2d.effects.numbered import is_later
 from fsm_calib.world2d.scale import SMALL, Scale
 
 MOST_STARTS = 24
@@ -163,6 +164,16 @@ def asked_for(effect: Effect, given: set[str]) -> list[Closure]:
     times = {p.name for p in effect.parameters if not p.strength}
     differ = [len((set(closure.frees) ^ given) & times) for closure in effect.competing]
     return [c for c, number in zip(effect.competing, differ, strict=True) if number == min(differ)]
+
+
+def alike_in(effect: Effect, closure: str) -> set[str]:
+    """Return the closures of an event that are of one kind with `closure`, in however many times: the same motor's."""
+
+    def strengths(closure: Closure) -> set[str]:
+        return {n for n in closure.frees if effect.parameter(n).strength and not is_later(n)}
+
+    own = strengths(effect.closure(closure))
+    return {c.name for c in effect.closures if strengths(c) == own}
 
 
 def _only_strength(effect: Effect, hypothesis: Hypothesis, name: str) -> bool:

@@ -21,6 +21,7 @@ from functools import cached_property
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.candidate import GROWTH
+from fsm_calib.diagnosis.candidates.outstanding import standing_out
 from fsm_calib.diagnosis.candidates.scan_pushes import KICK, SEEN, are_apart, fitted
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.likelihood.robust import log_kernel
@@ -38,7 +39,6 @@ HALVINGS = 2
 SHIFTS = (-0.2, -0.1, 0.1, 0.2)  # s about a moment of the scan
 LEANT = (0.5, 0.8, 1.2, 1.7, 2.5)  # s for which somebody may have leant on it
 SHARE = 0.6  # of a strength's bounds within which its first guess lies
-CLEARLY = 0.6  # of what the next moment wins: by so much more the least of several pushes stands out from it
 NUDGE = 0.2  # of the impulse so far, the size of the next nudges
 
 
@@ -70,20 +70,13 @@ def standing(pushes: Iterable[Pushed], run: int, worth: float, most: int) -> lis
     """Return the pushes of one recording, most first, that stand out together from whatever else happened there.
 
     At least its best one, at most `most`. Who pushes a robot once may push it again: two alike would deny each other.
-    What is inexact somewhere falls off from moment to moment as exponentials do, of which k times the gap between the
-    kth and the next is one more: that gap is to be worth a push, as the kth is, and CLEARLY a part of what the next
-    wins.
-    Source: Renyi, Acta Math. Hung. 4 (1953) 191.
     """
     apart: list[Pushed] = []
     for push in sorted((p for p in pushes if p.run == run), key=lambda p: -p.won):
         if all(push.is_apart_from(other) for other in apart):
             apart.append(push)
     won = [push.won for push in apart] + [worth / GROWTH]  # what was not tried promised less
-    sizes = range(1, min(most + 1, len(won)))
-    gaps = {k: won[k - 1] - won[k] for k in sizes if won[k - 1] >= worth}
-    size = max((k for k, gap in gaps.items() if k * gap >= worth and gap >= CLEARLY * won[k]), default=1)
-    return apart[:size]
+    return apart[: max(standing_out(won, worth, most), 1)]
 
 
 def known_beside(push: Pushed, standing: Mapping[int, Sequence[Pushed]]) -> dict[int, Sequence[Pushed]]:

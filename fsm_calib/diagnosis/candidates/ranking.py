@@ -11,6 +11,7 @@ from fsm_calib.diagnosis.candidates.candidate import Candidate
 from fsm_calib.diagnosis.candidates.extended import beyond
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
+    alike_in,
     asked_for,
     declared_starts,
     hypotheses_of,
@@ -226,12 +227,9 @@ class Bank:
         return strongest([*tried, *map(self._finished, self._extended(effect, tried))])
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
-        """Return the best event of its kind in another recording; None where nothing is in sight there.
-
-        A motor that fails is the same one in every recording; a push may last elsewhere, or come several times.
-        """
+        """Return the best event of its kind in another recording, once or several times; None where none is seen."""
         effect = registry()[event.effect]
-        alike = {c.name for c in effect.closures} if effect.when == "moment" else {event.closure}
+        alike = alike_in(effect, event.closure)
         plans = self._scanned(effect, self.scanner.candidates(effect))
         return strongest(self._fitted(p for p in plans if p[0].run == run and p[0].closure in alike))
 

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import product
 
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.candidate import GROWTH, Candidate
 from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.candidates.fault_search import FaultSearch
 from fsm_calib.diagnosis.candidates.push_search import PushSearch
 from fsm_calib.diagnosis.candidates.scan_areas import Area, boxes, drag_columns, settled, strips
 from fsm_calib.diagnosis.candidates.scan_default import (
@@ -39,7 +40,6 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
 )
 from fsm_calib.diagnosis.candidates.scan_pushes import STEP
 from fsm_calib.diagnosis.candidates.scan_slides import Slides
-from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.replay.passage import Passages, passages_of
@@ -50,7 +50,6 @@ from fsm_calib.diagnosis.shapes.features import place_centres
 from fsm_calib.diagnosis.shapes.score_tests import NO_POWER, Residual
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
-from fsm_calib.world2d.parameters import parameter_table
 
 PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
 KEEP = 3
@@ -178,23 +177,8 @@ class Scanner:
         return [Candidate(discs[i].changes(effect), float(promise[i])) for i in np.argsort(-promise)[:KEEP]]
 
     def spans(self, effect: Effect) -> list[Candidate]:
-        """Return spans of one recording in which one wheel's motor is weaker."""
-        table = parameter_table()
-        found: list[Candidate] = []
-        for side in ("left", "right"):
-            place = table.place(f"gain_{side}")
-            slot = next(i for i, s in enumerate(self.parent.slots) if s.place == place)
-            gain = float(self.parent.values[0, place])
-            for run, columns in enumerate(self.parent.columns):
-                cells = partial(gain_cells, self.residual, run, gain * columns[:, :, slot])
-                span = likely_span(self.residual, run, cells)
-                changes = {
-                    f"{effect.name}.loss_{side}": float(np.clip(span.loss, -0.4, 0.9)),
-                    f"{effect.name}.start": span.begin,
-                    f"{effect.name}.duration": span.end - span.begin,
-                }
-                found.append(Candidate(changes, span.promise, run))
-        return sorted(found, key=lambda c: -c.promise)[:KEEP]
+        """Return spans of one recording in which a wheel's motor is weaker, and where one fails again and again."""
+        return FaultSearch(effect, self.parent, self.residual).candidates(KEEP)
 
     def pushes(self, effect: Effect) -> list[Candidate]:
         """Return pushes of one recording, and several at once where they stand out together."""

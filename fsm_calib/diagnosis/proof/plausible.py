@@ -17,11 +17,12 @@ from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.effects.numbered import starts_in
+from fsm_calib.world2d.effects.numbered import length_of, starts_in
 from fsm_calib.world2d.parameters import parameter_table
 
 AT_BOUND = 1e-4  # of the range between the bounds: nearer, a number rests there
 SHORTEST_SPAN = 2.0  # s: within it a robot is pushed and brought back by its motors
+OFTEN = 3  # times that something comes again
 LONGEST_BLINK = 0.5  # s between poses: a push and what the motors make of it take no longer
 LEAST_INSIDE = 0.5  # s of driving: a few outliers in a row are no place
 SECOND_STAY = 0.2  # s: a few poses
@@ -64,17 +65,21 @@ def has_size(ranked: Ranked) -> bool:
 def lasts(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     """Return whether a span of time is longer than a push, and the drive as much longer; True for other effects.
 
-    What lasts from begin to end of a recording is another robot there, nothing that came or went.
+    What lasts from begin to end of a recording is another robot there, nothing that came or went. Short ones are more
+    than pushes where they come again by the same loss, `OFTEN` times or in all as long.
     """
     if registry()[ranked.name].when != "span":
         return True
     table, run = parameter_table(), ranked.hypothesis.run
-    start, duration = (
-        float(ranked.fit.values[run, table.place(f"{ranked.name}.{name}")]) for name in ("start", "duration")
-    )
+    values = dict(zip(table.names, ranked.fit.values[run].tolist(), strict=True))
+    starts = starts_in(ranked.hypothesis.names) or ["start"]
+    begins = [values[f"{ranked.name}.{start}"] for start in starts]
+    lengths = [values[f"{ranked.name}.{length_of(start)}"] for start in starts]
     p = simulators[run].prepared
-    beside = (p.time < start) | (p.time > start + duration)
-    return duration >= SHORTEST_SPAN and float(np.sum((p.dt * p.moving)[beside])) >= SHORTEST_SPAN
+    spans = zip(begins, lengths, strict=True)
+    inside = np.any([(p.time >= begin) & (p.time <= begin + length) for begin, length in spans], axis=0)
+    long = sum(lengths) >= SHORTEST_SPAN or len(lengths) >= OFTEN
+    return long and float(np.sum((p.dt * p.moving)[~inside])) >= SHORTEST_SPAN
 
 
 def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:

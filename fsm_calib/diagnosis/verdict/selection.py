@@ -24,11 +24,11 @@ from fsm_calib.diagnosis.candidates.polish import polished
 from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct, Ranked, evidence_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.fitting.wald import strengths_of, wald
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_crossed, is_plausible, stands_out
+from fsm_calib.diagnosis.verdict.every_recording import in_every_recording
 from fsm_calib.diagnosis.verdict.spared import spared
 from fsm_calib.diagnosis.verdict.swapped import swapped
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
@@ -88,7 +88,10 @@ class Selector:
         found = bank.rank(self.catalogue if effects is None else effects, self.progress, self.needed)
         told = [r for r in self._polish(found, parent) if self._is_told(r)]
         least = max(self.needed, EVENT_SHARE * told[0].evidence) if told else 0.0
-        whole = [self._in_every_recording(r) if r.evidence >= least else r for r in told]
+        whole = [
+            in_every_recording(self.engine, r, self.needed, self._is_told) if r.evidence >= least else r
+            for r in told
+        ]
         return sorted(whole, key=lambda r: -r.evidence)
 
     def first_ranked(self) -> tuple[Bank, list[Ranked]]:
@@ -123,23 +126,6 @@ class Selector:
         larger = self._with_one_more(bare, self._bank_on(bare), further)
         grown = self._grown_on(larger or bare)
         return self.weighed(grown, self._wanted(grown))
-
-    def _in_every_recording(self, ranked: Ranked) -> Ranked:
-        """Return an event with what happened of its kind in the other recordings; other effects as they are."""
-        event = ranked.hypothesis
-        others = range(len(self.engine.simulators)) if event.run != ALL_RUNS else ()
-        for run in others:
-            if run == event.run:
-                continue
-            found = Bank.on(self.engine, ranked.fit).again(event, run)
-            if found is not None and found.evidence >= self.needed and self._is_told(found):
-                ranked = replace(
-                    ranked,
-                    fit=found.fit,
-                    evidence=ranked.evidence + found.evidence,
-                    gain=ranked.gain + found.gain,
-                )
-        return ranked
 
     def _grown_on(self, selection: Selection) -> Selection:
         """Return the selection with further effects as long as any is worth it."""

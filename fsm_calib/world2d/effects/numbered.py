@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from fsm_calib.world2d.effects.parameter import Parameter
 
-COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
+COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven", 8: "eight"}
 
 
 def numbered(name: str, time: int) -> str:
@@ -30,6 +30,11 @@ def further(parameters: Iterable[Parameter], times: int) -> Iterator[Parameter]:
 def is_later(name: str) -> bool:
     """Return whether a number is one of a later time."""
     return name.rpartition("_")[2].isdigit()
+
+
+def length_of(start: str) -> str:
+    """Return the name of how long it lasted, by the name of when it began."""
+    return start.replace("start", "duration")
 
 
 def starts_in(names: Iterable[str]) -> list[str]:

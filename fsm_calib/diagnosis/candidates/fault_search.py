@@ -1,0 +1,73 @@
+"""Which motor failed, when and how often? One span in which a wheel's gain is lower, or short ones that stand out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from fsm_calib.diagnosis.candidates.candidate import Candidate
+from fsm_calib.diagnosis.candidates.scan_blinks import blinks
+from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
+from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.shapes.score_tests import Residual
+from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import Effect
+from fsm_calib.world2d.effects.numbered import numbered, starts_in
+from fsm_calib.world2d.parameters import parameter_table
+
+BOUNDS = (-0.4, 0.9)  # within which the first guess of a loss lies
+SIDES = ("left", "right")
+
+
+@dataclass(frozen=True, eq=False)
+class FaultSearch:
+    """The search for motors that fail, on top of one model."""
+
+    effect: Effect
+    parent: Fit
+    residual: Residual
+
+    def candidates(self, keep: int) -> list[Candidate]:
+        """Return at most `keep` spans, most promising first, and what comes several times in one recording."""
+        spans = [span for run in self._runs for side in SIDES for span in self._span(run, side)]
+        again = [found for run in self._runs for found in self._blinks(run)]
+        return sorted(spans, key=lambda c: -c.promise)[:keep] + sorted(again, key=lambda c: -c.promise)[:keep]
+
+    @property
+    def _runs(self) -> range:
+        return range(len(self.parent.columns))
+
+    def _gain(self, run: int, side: str) -> FloatArray:
+        """Return what a wheel's whole gain does to the increments of a recording, (n, 5)."""
+        place = parameter_table().place(f"gain_{side}")
+        slot = next(i for i, s in enumerate(self.parent.slots) if s.place == place)
+        return np.asarray(float(self.parent.values[0, place]) * self.parent.columns[run][:, :, slot])
+
+    def _span(self, run: int, side: str) -> Iterator[Candidate]:
+        """Yield the best span of one recording in which one wheel is weaker."""
+        span = likely_span(self.residual, run, partial(gain_cells, self.residual, run, self._gain(run, side)))
+        loss = {f"loss_{side}": float(np.clip(span.loss, *BOUNDS))}
+        yield Candidate(self._named(loss, [[span.begin, span.end]]), span.promise, run)
+
+    def _blinks(self, run: int) -> Iterator[Candidate]:
+        """Yield the short spans that stand out together in one recording: of either motor, or of both at once."""
+        most = len(starts_in(p.name for p in self.effect.parameters))
+        worth = 0.5 * 2 * float(np.log(self.residual.engine.count))
+        for sides in (SIDES[:1], SIDES[1:], SIDES):
+            gain = np.sum([self._gain(run, side) for side in sides], axis=0)
+            found = blinks(self.residual, run, partial(gain_cells, self.residual, run, gain), worth, most)
+            if found is not None:
+                losses = {f"loss_{side}": float(np.clip(found.loss, *BOUNDS)) for side in sides}
+                yield Candidate(self._named(losses, found.spans), found.won, run, found.elsewhere)
+
+    def _named(self, losses: Mapping[str, float], spans: FloatArray | list[list[float]]) -> dict[str, float]:
+        """Return start values by full name; spans : begin and end [s] of each."""
+        times = {
+            numbered(name, time): float(value)
+            for time, (begin, end) in enumerate(spans, 1)
+            for name, value in (("start", begin), ("duration", end - begin))
+        }
+        return {f"{self.effect.name}.{name}": value for name, value in {**losses, **times}.items()}
