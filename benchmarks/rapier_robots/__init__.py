@@ -1,0 +1,1 @@
+"""Simulated robots in Rapier, with hidden effects and a key."""
