@@ -11,6 +11,8 @@ from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.proof.jolts import _jolts, against_patch, density
 from fsm_calib.diagnosis.proof.pose_jump import AFTER, BEFORE
+from fsm_calib.world2d.effects.numbered import numbered
+from fsm_calib.world2d.parameters import parameter_table
 
 NUDGE = {"external_push.impulse_x": 0.05, "external_push.impulse_y": 0.02}
 
@@ -23,9 +25,17 @@ def drives():
 
 def pushed(values, *moments):
     """Return a fit of which some recordings have a nudge: (run, start [s]) each."""
-    for run, start in moments:
-        values = with_values(values, NUDGE | {"external_push.start": start}, run)
-    return SimpleNamespace(values=values, runs_of=lambda name: [run for run, _ in moments])
+    return happened(values, NUDGE, "external_push", *((run, [start]) for run, start in moments))
+
+
+def happened(values, strengths, name, *moments):
+    """Return a fit of which some recordings have an event at some times: (run, starts [s]) each."""
+    place, slots = parameter_table().place, []
+    for run, starts in moments:
+        told = {numbered(f"{name}.start", time): start for time, start in enumerate(starts, 1)}
+        values = with_values(values, strengths | told, run)
+        slots += [SimpleNamespace(place=place(full), run=run) for full in told]
+    return SimpleNamespace(values=values, slots=slots, runs_of=lambda name: [run for run, _ in moments])
 
 
 def moment(engine, values, order):
@@ -50,6 +60,21 @@ def test_one_quiet_moment_of_two_is_enough(drives):
     assert against_patch(drives[0], both, ["external_push"]) < against_patch(
         drives[0], alone, ["external_push"]
     )
+
+
+def test_what_comes_at_every_hard_moment_of_a_drive_loses_its_name_and_one_span_is_not_asked(drives):
+    engine, values = drives
+    loss = {"motor_fault.loss_left": 1.0, "motor_fault.loss_right": 1.0}
+    hard = [moment(engine, values, -1 - 12 * k) for k in range(4)]
+    quiet = [moment(engine, values, 120 * k) for k in range(4)]
+
+    def against(*starts):
+        return against_patch(engine, happened(values, loss, "motor_fault", (1, starts)), ["motor_fault"])
+
+    assert against(*hard) > 4.0
+    assert against(*quiet) == 0.0
+    assert against(*hard) > against(hard[0], *quiet)
+    assert against(hard[0]) == 0.0
 
 
 def test_what_has_no_moment_is_not_asked(drives):

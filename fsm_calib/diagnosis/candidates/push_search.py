@@ -88,18 +88,22 @@ class PushSearch:
         """The pushes that last, found in the same way, also where a kick stands out: it may be how one began."""
         return [moment.held() for moment in self._moments(self._seen)]
 
-    def _moments(self, seen: Iterable[Sequence[Pushes]]) -> Iterator[Moment]:
-        """Yield the moments that promise most, of some lengths and apart in time; those that may be worth a push."""
-        by_run = zip(*seen, strict=True)
-        for run, lengths in enumerate(by_run):
+    def _moments(self, seen: Sequence[Sequence[Pushes]]) -> Iterator[Moment]:
+        """Yield the moments that promise most, of some lengths and apart in time, where one may be worth a push.
+
+        What a simulation makes of the others is what it makes of nothing: they are tried where that one is.
+        """
+        most = max((float(one.won.max(initial=0.0)) for lengths in seen for one in lengths), default=0.0)
+        if GROWTH * most < self._worth:
+            return
+        for run, lengths in enumerate(zip(*seen, strict=True)):
             won = np.concatenate([one.won for one in lengths])
             starts = np.concatenate([one.starts for one in lengths])
             length = np.concatenate([np.full(len(one.starts), one.length) for one in lengths])
             middle = (starts + 0.5 * length)[:, None]
             for i in apart(won, middle, SIMULATED, SAME):
-                if GROWTH * won[i] >= self._worth:
-                    told = run, float(starts[i]), float(length[i]), self.scale, float(won[i])
-                    yield Moment(self.effect, self.passages[run], self.residual, self.situations[run], *told)
+                told = run, float(starts[i]), float(length[i]), self.scale, float(won[i])
+                yield Moment(self.effect, self.passages[run], self.residual, self.situations[run], *told)
 
     def _standing(self, found: Sequence[Pushed]) -> Mapping[int, list[Pushed]]:
         """Return of each recording the pushes that stand out together, at least its best one of those found."""
