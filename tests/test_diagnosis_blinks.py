@@ -116,6 +116,7 @@ def test_faults_of_one_motor_are_of_one_kind_however_often_they_come():
     kind = alike_in(registry()["motor_fault"], "left motor")
     assert {"left motor", "left motor, two times", "left motor, eight times"} <= kind
     assert not any("right" in name or "both" in name for name in kind)
+    assert alike_in(registry()["motor_fault"], "both motors") == {"both motors"}
     pushes = registry()["external_push"]
     assert alike_in(pushes, "held") == {closure.name for closure in pushes.closures}
 

@@ -53,15 +53,15 @@ class FaultSearch:
         yield Candidate(self._named(loss, [[span.begin, span.end]]), span.promise, run)
 
     def _blinks(self, run: int) -> Iterator[Candidate]:
-        """Yield the short spans that stand out together in one recording: of either motor, or of both at once."""
+        """Yield the short spans of either motor that stand out together in one recording."""
         most = len(starts_in(p.name for p in self.effect.parameters))
         worth = 0.5 * 2 * float(np.log(self.residual.engine.count))
-        for sides in (SIDES[:1], SIDES[1:], SIDES):
-            gain = np.sum([self._gain(run, side) for side in sides], axis=0)
-            found = blinks(self.residual, run, partial(gain_cells, self.residual, run, gain), worth, most)
+        for side in SIDES:
+            cells = partial(gain_cells, self.residual, run, self._gain(run, side))
+            found = blinks(self.residual, run, cells, worth, most)
             if found is not None:
-                losses = {f"loss_{side}": float(np.clip(found.loss, *BOUNDS)) for side in sides}
-                yield Candidate(self._named(losses, found.spans), found.won, run, found.elsewhere)
+                loss = {f"loss_{side}": float(np.clip(found.loss, *BOUNDS))}
+                yield Candidate(self._named(loss, found.spans), found.won, run, found.elsewhere)
 
     def _named(self, losses: Mapping[str, float], spans: FloatArray | list[list[float]]) -> dict[str, float]:
         """Return start values by full name; spans : begin and end [s] of each."""

@@ -10,8 +10,7 @@ inexact laws it is dense near zero (a density as 1 / (q + e), e [1] = `gates.EXA
 
 u [m/s] = (forward, left, turning times half the axle), simulated without the event; V [m/s] its change about t [s].
 (The hardest reversals of two carts of 22 and 27 kg were called pushes, with 281 and 1361 units of evidence.) What comes
-several times in a drive comes at its times independently, so that the log densities add up: seven starts and stops of
-one drive, a fifth of a second of each without motors, were called a plug that opens (226 units, 0.94).
+several times in a drive comes at its times independently, so that the log densities add up.
 """
 
 from __future__ import annotations
