@@ -15,6 +15,7 @@ from typing import Protocol
 from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.parameters import parameter_table
 
 RIVALS = 2  # of an earlier effect, asked again beside a new one
 NEAR = 0.4  # of its evidence: a rival that had less does not take its place
@@ -55,7 +56,7 @@ def swapped(
         effects, fit = _with_another(fitting, effects, fit, place, near)
         is_last = effects[-1] is joining  # until it has taken an earlier one's place
         if is_last and _nearly_won(joining.name, effects[place].name, rankings):
-            effects, fit = _moved_up(fitting, effects, fit, place)
+            effects, fit = _moved_up(fitting, effects, fit, place, rankings)
     return effects, fit
 
 
@@ -106,12 +107,25 @@ def _nearly_won(name: str, winner: str, rankings: Sequence[Sequence[Ranked]]) ->
 
 
 def _moved_up(
-    fitting: Fitting, effects: tuple[Ranked, ...], fit: Fit, place: int
+    fitting: Fitting,
+    effects: tuple[Ranked, ...],
+    fit: Fit,
+    place: int,
+    rankings: Sequence[Sequence[Ranked]],
 ) -> tuple[tuple[Ranked, ...], Fit]:
-    """Return the effects with the last in an earlier one's place, where it needs no company of that one."""
+    """Return the effects with the last in an earlier one's place, where it needs no company of that one.
+
+    It is fitted anew, and taken as it was in the round that the earlier one won, where that had all the others: beside
+    play in the gears the likelihood has many hills, and which of them a new fit climbs hangs on the last digits.
+    """
     earlier, last = effects[place], effects[-1]
     bare = fitting.without(fitting.without(fit, earlier.name), last.name)
     tried = Bank.on(fitting.engine, bare).best_of(registry()[last.name])
+    kept = {e.name for e in effects if e is not earlier}
+    rounds = [r for found in _rounds_of(earlier.name, rankings) for r in found if r.name == last.name]
+    then = [r for r in rounds if set(parameter_table().active_effects(r.fit.values[0])) == kept]
+    anew = [] if tried is None else [tried]
+    tried = max([*then, *anew], key=lambda r: r.fit.score, default=None)
     if tried is None:
         return effects, fit
     alone = fitting.with_noise(tried.fit)
