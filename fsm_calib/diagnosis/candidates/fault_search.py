@@ -32,7 +32,7 @@ class FaultSearch:
 
     def candidates(self, keep: int) -> list[Candidate]:
         """Return at most `keep` spans, most promising first, and what comes several times in one recording."""
-        spans = [span for run in self._runs for side in SIDES for span in self._span(run, side)]
+        spans = [self._span(run, side) for run in self._runs for side in SIDES]
         again = [found for run in self._runs for found in self._blinks(run)]
         return sorted(spans, key=lambda c: -c.promise)[:keep] + sorted(again, key=lambda c: -c.promise)[:keep]
 
@@ -46,11 +46,11 @@ class FaultSearch:
         slot = next(i for i, s in enumerate(self.parent.slots) if s.place == place)
         return np.asarray(float(self.parent.values[0, place]) * self.parent.columns[run][:, :, slot])
 
-    def _span(self, run: int, side: str) -> Iterator[Candidate]:
-        """Yield the best span of one recording in which one wheel is weaker."""
+    def _span(self, run: int, side: str) -> Candidate:
+        """Return the best span of one recording in which one wheel is weaker."""
         span = likely_span(self.residual, run, partial(gain_cells, self.residual, run, self._gain(run, side)))
         loss = {f"loss_{side}": float(np.clip(span.loss, *BOUNDS))}
-        yield Candidate(self._named(loss, [[span.begin, span.end]]), span.promise, run)
+        return Candidate(self._named(loss, [[span.begin, span.end]]), span.promise, run)
 
     def _blinks(self, run: int) -> Iterator[Candidate]:
         """Yield the short spans of either motor that stand out together in one recording."""

@@ -17,7 +17,7 @@ from fsm_calib.diagnosis.candidates.ranking import Ranked
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.effects.numbered import length_of, starts_in
+from fsm_calib.world2d.effects.numbered import times_in
 from fsm_calib.world2d.parameters import parameter_table
 
 AT_BOUND = 1e-4  # of the range between the bounds: nearer, a number rests there
@@ -72,13 +72,11 @@ def lasts(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
         return True
     table, run = parameter_table(), ranked.hypothesis.run
     values = dict(zip(table.names, ranked.fit.values[run].tolist(), strict=True))
-    starts = starts_in(ranked.hypothesis.names) or ["start"]
-    begins = [values[f"{ranked.name}.{start}"] for start in starts]
-    lengths = [values[f"{ranked.name}.{length_of(start)}"] for start in starts]
+    names = [[f"{ranked.name}.{n}" for n in time] for time in times_in(ranked.hypothesis.names)]
+    spans = [(values[start], values[length]) for start, length in names]
     p = simulators[run].prepared
-    spans = zip(begins, lengths, strict=True)
     inside = np.any([(p.time >= begin) & (p.time <= begin + length) for begin, length in spans], axis=0)
-    long = sum(lengths) >= SHORTEST_SPAN or len(lengths) >= OFTEN
+    long = sum(length for _, length in spans) >= SHORTEST_SPAN or len(spans) >= OFTEN
     return long and float(np.sum((p.dt * p.moving)[~inside])) >= SHORTEST_SPAN
 
 
@@ -88,8 +86,8 @@ def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
         return True
     table, run = parameter_table(), ranked.hypothesis.run
     time = simulators[run].prepared.poses.time
-    starts = starts_in(ranked.hypothesis.names) or ["start"]
-    moments = [float(ranked.fit.values[run, table.place(f"{ranked.name}.{start}")]) for start in starts]
+    starts = [table.place(f"{ranked.name}.{start}") for start, _ in times_in(ranked.hypothesis.names)]
+    moments = [float(ranked.fit.values[run, place]) for place in starts]
     return all(_is_watched(time, moment) for moment in moments)
 
 

@@ -19,7 +19,7 @@ from fsm_calib.diagnosis.verdict.systematic_error import with_doubt
 from fsm_calib.diagnosis.verdict.verdict import ErrorTriple, Estimate, Located, NamedEffect, Rival, Verdict
 from fsm_calib.diagnosis.verdict.weight import weighed, weight_of
 from fsm_calib.world2d.effects import Effect, registry
-from fsm_calib.world2d.effects.numbered import length_of, starts_in
+from fsm_calib.world2d.effects.numbered import times_in
 from fsm_calib.world2d.parameters import parameter_table
 
 MANOEUVRE_MENU = (
@@ -208,8 +208,7 @@ def located(decision: Decision) -> Located:
             )
             place = {"x": numbers["x"].value, "y": numbers["y"].value, "radius": size.value}
         if effect.scan == "time":
-            begun = starts_in(ranked.hypothesis.names) or ["start"]
-            spans = [(numbers[b].value, numbers[length_of(b)].value) for b in begun]
+            spans = [(numbers[b].value, numbers[d].value) for b, d in times_in(ranked.hypothesis.names)]
             when = tuple((round(start, 3), round(start + length, 3)) for start, length in spans)
     channels = channels or list(
         registry()[decision.model.effects[0].name].channels if decision.model.effects else ()

@@ -40,3 +40,8 @@ def length_of(start: str) -> str:
 def starts_in(names: Iterable[str]) -> list[str]:
     """Return those of some names that say when something begins, the first time or a later one."""
     return [name for name in names if name == "start" or (name.startswith("start_") and is_later(name))]
+
+
+def times_in(names: Iterable[str]) -> list[tuple[str, str]]:
+    """Return the names of begin and length of each time that some names tell of; of the first where they tell none."""
+    return [(start, length_of(start)) for start in starts_in(names) or ["start"]]
