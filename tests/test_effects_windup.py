@@ -1,4 +1,4 @@
-"""Soft treads and belts wind up before they turn the body: the wheels' difference reaches it late."""
+"""Soft treads and belts wind up before they turn the body, and treads stick: the wheels' difference reaches it late."""
 
 import numpy as np
 import pytest
@@ -58,6 +58,51 @@ def test_long_steps_of_the_lag_are_exact():
     np.testing.assert_allclose(coarse, fine, atol=2e-4)
 
 
+def rocked(twist, speed=0.3, dt=None):
+    """Return times [s] and heading [rad] of a robot whose wheels differ by 0.1 m/s to the left, then to the right."""
+    grid = np.arange(0.0, 8.0, 0.01)
+    left, right = speed - np.array([0.05, -0.05]), speed + np.array([0.05, -0.05])
+    drive = Drive(np.array([0.0, 4.0]), left, right)
+    values = parameters({**MEASURED, "gain_left": 1.0, "gain_right": 1.0, "skid_steer.twist": twist})
+    more = {} if dt is None else {"dt": dt}
+    return grid, simulate(values, drive, grid, (0.0, 0.0, 0.0, speed, 0.0, 0.0), **more)[:, 2]
+
+
+def test_treads_that_stick_turn_the_body_once_they_are_twisted_and_back_after_twice_as_much():
+    rate, twist = 0.1 / (AXLE * (1.0 + STRETCH)), 0.05
+    for speed in (0.2, 0.8):
+        (time, free), (_, stuck) = rocked(0.0, speed), rocked(twist, speed)
+        before, after = np.searchsorted(time, [3.9, 7.9])
+        assert free[before] - stuck[before] == pytest.approx(twist, rel=0.01)
+        assert stuck[after] - free[after] == pytest.approx(twist, rel=0.01)
+        held = (time > 4.05) & (time < 4.0 + 2.0 * twist / rate - 0.05)
+        assert np.ptp(stuck[held]) < 1e-3
+
+
+def test_long_steps_of_sticking_treads_are_exact():
+    (_, coarse), (_, fine) = rocked(0.05, dt=0.05), rocked(0.05, dt=0.001)
+    np.testing.assert_allclose(coarse, fine, atol=1e-3)
+
+
+def stuck_wheels_and_gyro(seed, twist):
+    """Return measured wheels and a gyro of a robot that skids and whose treads stick until twisted by `twist` [rad]."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(0.0, 60.0, 0.02)
+    edges = np.arange(0.0, 60.0, 1.5)
+    half = rng.uniform(-0.1, 0.1, edges.size)[np.searchsorted(edges, time, side="right") - 1]
+    ahead, heading = 0.0, np.zeros_like(time)
+    for i, turn in enumerate(2.0 * half[:-1] * np.diff(time) / (AXLE * (1.0 + STRETCH)), start=1):
+        held = float(np.clip(ahead + turn, -twist, twist))
+        heading[i], ahead = heading[i - 1] + ahead + turn - held, held
+    rows = slice(None, None, 5)
+    noise = 0.005 * rng.normal(size=len(time[rows]))
+    return Recording(
+        robot=RobotFacts("sticking", wheel_radius=0.165, axle_length=AXLE),
+        wheel_speed=WheelPair(time[rows], 0.3 - half[rows], 0.3 + half[rows], "m/s"),
+        yaw_rate=YawRateTrack(time[rows], np.gradient(heading, time)[rows] + noise),
+    )
+
+
 def wheels_and_gyro(seed, way):
     """Return measured wheels and a gyro of a robot that skids and winds up over `way` [m]."""
     rng = np.random.default_rng(seed)
@@ -83,3 +128,11 @@ def test_a_robot_that_winds_up_is_named_by_its_way():
     assert found.closure == "winding up"
     assert found.parameters["stretch"].value == pytest.approx(STRETCH, abs=0.05)
     assert found.parameters["way"].value == pytest.approx(0.12, rel=0.3)
+
+
+def test_a_robot_whose_treads_stick_is_named_by_their_twist():
+    result = diagnose([stuck_wheels_and_gyro(seed, 0.04) for seed in (0, 1)])
+    (found,) = [e for e in result.verdict.effects if e.name == "skid_steer"]
+    assert found.closure.startswith("sticking")
+    assert found.parameters["stretch"].value == pytest.approx(STRETCH, abs=0.05)
+    assert found.parameters["twist"].value == pytest.approx(0.04, rel=0.1)

@@ -24,6 +24,7 @@ from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE
 from fsm_calib.diagnosis.replay.wheels import wheels_of
 from fsm_calib.diagnosis.sampled_commands import with_changes_placed
 from fsm_calib.diagnosis.sized import identified_facts, sized
+from fsm_calib.diagnosis.wandering_clocks import with_steady_clocks
 from fsm_calib.diagnosis.wiring import as_wired
 from fsm_calib.errors import DataError
 from fsm_calib.recording.channels import PoseTrack
@@ -65,6 +66,8 @@ def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ())
     notes += [sentence] if sentence else []
     train = [with_input(with_poses(sized(r, size), robot)) for r in recordings]
     new = [with_input(with_poses(sized(r, size), robot)) for r in holdouts]
+    (train, laid), (new, laid_new) = with_steady_clocks(train), with_steady_clocks(new)
+    notes += [*laid, *laid_new]
     (train, told), (new, told_new) = with_fine_clocks(train), with_fine_clocks(new)
     (train, placed), (new, placed_new) = with_changes_placed(train), with_changes_placed(new)
     notes += [*told, *told_new, *placed, *placed_new]

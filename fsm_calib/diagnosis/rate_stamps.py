@@ -13,17 +13,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.likelihood.robust import log_density, robust_weights
-from fsm_calib.recording.channels import PoseTrack, WheelPair
+from fsm_calib.diagnosis.likelihood.robust import log_density
+from fsm_calib.diagnosis.pose_moves import FREEDOM, moves_between, student_fit
+from fsm_calib.recording.channels import WheelPair
 from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.wheel_stamps import travel
 from fsm_calib.types import FloatArray
 
 SHORTEST_STEP = 0.1  # s between the poses that are compared: over less, most trackers tell noise
-FEWEST_STEPS = 50  # steps between poses, to tell two readings apart
 CLEARLY_LIKELIER = 10.0  # log-likelihood units, as `identify` asks of another reading of the wheels
-FREEDOM = 4.0  # degrees of freedom of the residuals' Student distribution
-REWEIGHTED = 6  # rounds of iteratively reweighted least squares; four suffice
 
 
 def with_stamps(
@@ -74,30 +72,11 @@ def _gain(recording: Recording) -> float:
     if pair is None or pose is None or len(pair) < 2:
         return 0.0
     step = float(np.median(np.diff(pair.time)))
-    moves = _moves(pose, max(step, SHORTEST_STEP))
+    moves = moves_between(pose, max(step, SHORTEST_STEP))
     if moves is None:
         return 0.0
     sample, half, whole = (_log_likelihood(pair, *moves, shift) for shift in (0.0, 0.5 * step, step))
     return half - max(sample, whole)
-
-
-def _moves(pose: PoseTrack, least: float) -> tuple[FloatArray, FloatArray] | None:
-    """Return (n, 2) start and end [s] of steps between poses and what was measured over them, (n, 1 or 2): the turn
-    [rad] and, where places were measured, the way forward [m]; None where there are too few.
-    """
-    known = np.flatnonzero(np.isfinite(pose.theta))
-    if len(known) < 2:
-        return None
-    every = max(1, round(least / float(np.median(np.diff(pose.time[known])))))
-    track = pose.rows(known).rows(slice(None, None, every))
-    time, theta = track.time, np.unwrap(track.theta)
-    whole = np.diff(time) < 3.0 * float(np.median(np.diff(time)))
-    if whole.sum() < FEWEST_STEPS:
-        return None
-    turn, middle = np.diff(theta), 0.5 * (theta[1:] + theta[:-1])
-    ahead = np.cos(middle) * np.diff(track.x) + np.sin(middle) * np.diff(track.y)
-    columns = [turn, ahead] if np.isfinite(ahead).all() else [turn]
-    return np.column_stack([time[:-1], time[1:]])[whole], np.column_stack(columns)[whole]
 
 
 def _log_likelihood(pair: WheelPair, steps: FloatArray, measured: FloatArray, shift: float) -> float:
@@ -111,12 +90,7 @@ def _log_likelihood(pair: WheelPair, steps: FloatArray, measured: FloatArray, sh
 
 
 def _student(design: FloatArray, target: FloatArray) -> float:
-    """Return the log-likelihood of `target` (n,) given `design` (n, p) by reweighted least squares."""
-    weight, scale, left = np.ones(len(target)), 1.0, target
-    for _ in range(REWEIGHTED):
-        root = np.sqrt(weight)
-        solved = np.linalg.lstsq(design * root[:, None], target * root, rcond=None)[0]
-        left = target - design @ solved
-        scale = float(np.sqrt(np.mean(weight * left**2))) + 1e-12
-        weight = robust_weights(left / scale, FREEDOM)
+    """Return the log-likelihood of `target` (n,) given `design` (n, p), coefficients and scale fitted."""
+    found, scale = student_fit(design, target)
+    left = target - design @ found
     return float(log_density(left / scale, np.full(len(left), -np.log(scale)), FREEDOM).sum())
