@@ -1,4 +1,4 @@
-"""Soft treads and belts wind up before they turn the body, and treads stick: the wheels' difference reaches it late."""
+"""Treads that skid also wind up, stick or drift: the wheels' difference reaches the body late, curves are wider."""
 
 import numpy as np
 import pytest
@@ -82,6 +82,22 @@ def test_treads_that_stick_turn_the_body_once_they_are_twisted_and_back_after_tw
 def test_long_steps_of_sticking_treads_are_exact():
     (_, coarse), (_, fine) = rocked(0.05, dt=0.05), rocked(0.05, dt=0.001)
     np.testing.assert_allclose(coarse, fine, atol=1e-3)
+
+
+def test_treads_that_drift_go_outwards_by_their_share_of_the_centripetal_acceleration():
+    drive = Drive(np.array([0.0]), np.array([0.45]), np.array([0.55]))
+    grid, speed, rate, drift = np.arange(0.0, 6.0, 0.01), 0.5, 0.1 / (AXLE * (1.0 + STRETCH)), 0.1
+    values = {**MEASURED, "gain_left": 1.0, "gain_right": 1.0}
+    start = (0.0, 0.0, 0.0, speed, 0.0, rate)
+
+    def leftwards(**more):
+        """Return the speed [m/s] to the robot's left in the end."""
+        states = simulate(parameters({**values, **more}), drive, grid, start)
+        x, y, theta = states[-2:, :3].T
+        return (np.diff(y)[0] * np.cos(theta[0]) - np.diff(x)[0] * np.sin(theta[0])) / 0.01
+
+    outwards = leftwards() - leftwards(**{"skid_steer.drift": drift})
+    assert outwards == pytest.approx(drift * speed * rate, rel=0.05)
 
 
 def stuck_wheels_and_gyro(seed, twist):

@@ -26,6 +26,9 @@ stands still in yaw,
 phi [rad] the angle by which the wheels are ahead of the body, twist [rad] dry friction's moment over the treads'
 stiffness (Coulomb's element in series with a spring: Jenkin's element; Al-Bender, Lampaert & Swevers, IEEE T. Automatic
 Control 50 (2005) 1883, section II). A Husky indoors: 0.04 rad, 1 cm of its wheels' way.
+
+Treads that slide already hold a curve badly: the robot drifts outwards by l = -drift v omega, drift [s], as tyres do
+that yield (`lateral_slip`, whose equation this is).
 Source: Mandow, Martinez, Morales, Blanco, Garcia-Cerezo & Gonzalez, Experimental kinematics for wheeled skid-steer
 mobile robots, IROS 2007, section III.
 """
@@ -37,7 +40,7 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.slots import HALF_AXLE, INERTIA, STEP, TARGET
+from fsm_calib.world2d.slots import HALF_AXLE, INERTIA, MASS, SIDE_COMPLIANCE, STEP, TARGET
 
 
 @njit(error_model="numpy")
@@ -50,11 +53,12 @@ def widen(P, o, W):
 
 @njit(error_model="numpy")
 def wind_up(P, o, S, m, W):
-    """Let the difference of the wheels' speeds reach the floor late; their mean goes on as it is.
+    """Let the difference of the wheels' speeds reach the floor late, their mean as it is, and treads drift.
 
     S[m] [m/s] is the difference that has wound through; S[m + 1] [m] how far the right wheel is ahead of what the
     treads have passed on.
     """
+    W[SIDE_COMPLIANCE] += 2.0 * P[o + 4] / W[MASS]
     trail, way, slack = P[o + 1], P[o + 2], 2.0 * W[HALF_AXLE] * P[o + 3]
     if trail <= 0.0 and way <= 0.0 and slack <= 0.0:
         return
@@ -100,6 +104,10 @@ EFFECT = Effect(
             "twist", "phi_0", "rad", 0.0, 0.0, 0.3, 0.0, "own (0.04 on a Husky indoors)", strength=False,
             starts=(0.02, 0.06),
         ),
+        Parameter(
+            "drift", "K_y", "s", 0.0, 0.0, 0.3, 0.0, "0.2 on a Warthog on gravel, own", strength=False,
+            starts=(0.03, 0.1),
+        ),
     ),
     closures=(
         Closure("full", ("stretch",), "at once"),
@@ -107,6 +115,9 @@ EFFECT = Effect(
             "The robot turns as if its wheels stood {stretch} of the stated axle farther apart, and {trail} late."),
         Closure("winding up", ("stretch", "way"), "the treads wind up first",
             "The robot turns as if its wheels stood {stretch} of the stated axle farther apart, after {way} of way."),
+        Closure("drifting", ("stretch", "drift"), "and drifts outwards in curves",
+            "The robot turns as if its wheels stood {stretch} of the stated axle farther apart, and drifts outwards in "
+            "curves by {drift} times its centripetal acceleration."),
         Closure("sticking", ("stretch", "twist"), "the treads stick and twist before they turn the body",
             "The robot turns as if its wheels stood {stretch} of the stated axle farther apart; its treads stick until "
             "they are twisted by {twist}."),
@@ -116,7 +127,7 @@ EFFECT = Effect(
     ),
     hooks={"begin": widen, "step": wind_up},
     memory=2,
-    channels=("turn",),
+    channels=("turn", "lateral"),
     regimes=("turning",),
     separates="all turning is too slow by one factor, at every rate, both ways; the stated axle speaks for it",
     rivals=("tyre_scrub", "motor_deadband", "wheel_slip"),
