@@ -11,10 +11,10 @@ AT = 14.0  # s, of the jump and of the push
 PUSH = {"external_push__impulse_x": 0.7, "external_push__impulse_y": 0.4, "external_push__start": AT}
 
 
-def jumped(seen):
-    """Return a recording whose poses are 8 cm and 3 deg elsewhere after a time."""
+def jumped(seen, at=AT):
+    """Return a recording whose poses are 8 cm and 3 deg elsewhere after a time [s]."""
     pose = seen.pose
-    later = pose.time > AT
+    later = pose.time > at
     moved = replace(pose, x=pose.x + 0.07 * later, y=pose.y - 0.04 * later, theta=pose.theta + 0.05 * later)
     return replace(seen, pose=moved)
 
@@ -37,6 +37,12 @@ def test_poses_that_jump_are_not_called_a_push(of_a_jump):
     assert of_a_jump.named == ()
     assert of_a_jump.outcome == "unexplained"
     assert "a jump of the measured poses does as well" in of_a_jump.reason
+
+
+def test_poses_that_jump_twice_in_a_drive_are_not_called_pushes():
+    decision = decided_with(jumped(jumped(recording(0, rate=RATE)), at=8.0))
+    assert "external_push" not in [belief.name for belief in decision.named]
+    assert decision.outcome == "unexplained"
 
 
 def test_a_push_keeps_its_name(of_a_push):

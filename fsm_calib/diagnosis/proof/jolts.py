@@ -21,13 +21,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
+from fsm_calib.diagnosis.fitting.begins import begins_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off
 from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.proof.pose_jump import AFTER, BEFORE
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.effects.numbered import starts_in
 from fsm_calib.world2d.parameters import parameter_table
 
 GRID = 0.05  # s between the times at which the jolts of a drive are looked at
@@ -54,12 +54,10 @@ def against_patch(engine: Engine, fit: Fit, effects: Sequence[str]) -> float:
 
 def _moments(fit: Fit, effects: Sequence[str]) -> dict[int, list[float]]:
     """Return by recording when [s] some effects happened for a moment: pushes, and spans that came several times."""
-    table, found = parameter_table(), dict[int, list[float]]()
+    found = dict[int, list[float]]()
     for effect in (registry()[name] for name in effects if is_event(registry()[name])):
         for run in fit.runs_of(effect.name):
-            free = {slot.place for slot in fit.slots if slot.run == run}
-            places = [table.place(f"{effect.name}.{n}") for n in starts_in(p.name for p in effect.parameters)]
-            starts = [float(fit.values[run, place]) for place in places if place in free]
+            starts = [start for _, start in begins_of(fit, effect.name, run)]
             if effect.when == "moment" or len(starts) > 1:
                 found.setdefault(run, []).extend(starts)
     return found

@@ -16,12 +16,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fsm_calib.diagnosis.fitting.begins import begins_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.linear import Linear
 from fsm_calib.diagnosis.replay.prepared import Prepared
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.parameters import parameter_table
 
 JUMP_NUMBERS = 4  # place, heading, time
 BEFORE, AFTER = 0.2, 0.4  # s from a push's start: a fit may be off by it, a motor answers within it
@@ -48,12 +48,13 @@ def jumped(engine: Engine, bare: Linear, fit: Fit, effects: Sequence[str]) -> fl
 
 
 def moments_of(fit: Fit, effects: Sequence[str]) -> list[tuple[int, float]]:
-    """Return recording and start [s] of every moment that a fit of some effects has."""
-    table, momentary = parameter_table(), [name for name in effects if registry()[name].when == "moment"]
+    """Return recording and start [s] of every moment that a fit of some effects has, of each time that it came."""
+    momentary = [name for name in effects if registry()[name].when == "moment"]
     return [
-        (run, float(fit.values[run, table.place(f"{name}.start")]))
+        (run, start)
         for name in momentary
         for run in fit.runs_of(name)
+        for _, start in begins_of(fit, name, run)
     ]
 
 
