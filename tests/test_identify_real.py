@@ -86,6 +86,13 @@ def test_husky_turns_as_if_its_axle_were_longer():
     assert any("effective axle" in note for note in found.notes)
 
 
+@pytest.mark.parametrize("run", [1, 2, 3])
+def test_a_husky_that_spins_on_loam_turns_as_fast_as_its_makers_recordings_say(run):
+    found = identify([read_recording(shared(f"husky-terrains/a-{run}.recording.yaml"))])
+    ratio = found.value("wheel_gain_over_axle_left") * 0.555
+    assert ratio == pytest.approx(0.57, abs=0.02)
+
+
 def test_command_line_writes_the_contract(tmp_path):
     out = tmp_path / "out.json"
     path = shared("khepera3/l90.recording.yaml")

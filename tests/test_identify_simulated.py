@@ -131,6 +131,24 @@ def test_yaw_rate_alone_tells_only_the_ratio():
         assert abs(estimate.value - truth) < 5.0 * estimate.sd < 0.01
 
 
+def test_a_robot_that_spins_at_one_rate_tells_neither_the_gyros_bias_nor_a_wheel_alone():
+    """What slips more or less by the minute is no bias: the ratio of both wheels is told, as well as a bias allows."""
+    rng = np.random.default_rng(1)
+    t = np.arange(0.0, 60.0, 0.1)
+    slip = np.interp(t, np.arange(0.0, 61.0, 6.0), rng.normal(0.0, 0.03, 11))
+    half = 3.0 + 0.3 * slip + 0.01 * rng.normal(size=len(t))
+    recording = Recording(
+        RobotFacts("gyro", 0.03, 0.1),
+        wheel_rate=WheelPair(t, -half, half, "rad/s"),
+        yaw_rate=YawRateTrack(t, 0.3 * (1.0 + slip) * 2.0 * half + 0.01 + rng.normal(0.0, 0.02, len(t))),
+    )
+    found = identify([recording])
+    assert "at about one rate" in found.estimates["yaw_rate_bias"].reason
+    for side in ("left", "right"):
+        estimate = found.estimates[f"wheel_radius_over_axle_{side}"]
+        assert abs(estimate.value - 0.3) < 2.0 * estimate.sd < 0.02
+
+
 def test_robot_at_rest_is_refused_with_a_cure():
     t = np.arange(0.0, 10.0, 0.1)
     rng = np.random.default_rng(0)

@@ -2,15 +2,18 @@
 
     omega = J_r rate_r - J_l rate_l + bias,   J_i = a_i / b   [1/s per unit of the wheel's rate]
 
-The forward motion is not seen, so neither radius nor axle can be told.
+The forward motion is not seen, so neither radius nor axle can be told. A robot that always turns at about one rate
+tells neither the bias nor a wheel alone: both wheels have one ratio then, and a bias of `USUAL_BIAS` is left open.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from fsm_calib.diagnosis.identify.result import Estimate, Identification, unknown
-from fsm_calib.diagnosis.identify.robust_rows import robust_fit
+from fsm_calib.diagnosis.identify.robust_rows import RobustFit, robust_fit
 from fsm_calib.diagnosis.replay.wheels import TYPICAL_AXLE, wheels_of
 from fsm_calib.errors import DataError
 from fsm_calib.recording.recording import Recording
@@ -21,6 +24,20 @@ CORRELATED_SECONDS = (
     2.0  # s: wheel slip and drive ripple make neighbouring yaw-rate errors alike for about so long
 )
 FEWEST_ROWS = 50
+ONE_RATE = (
+    3.0  # mean of the turning over its spread: real drives have 0.1 to 0.9, real spins at one rate 21 to 120
+)
+USUAL_BIAS = 0.02  # rad/s, standard deviation: 1 deg/s, what a trimmed gyro keeps
+
+
+@dataclass(frozen=True, eq=False)
+class _Ratios:
+    """The ratio J of the left and of the right wheel, (2,), with standard deviations, the gyro's bias, and the fit."""
+
+    values: FloatArray
+    sd: FloatArray
+    bias: Estimate
+    fit: RobustFit
 
 
 def identify_from_yaw_rate(recordings: list[Recording]) -> Identification:
@@ -32,38 +49,72 @@ def identify_from_yaw_rate(recordings: list[Recording]) -> Identification:
     first, wheels = recordings[0], wheels_of(recordings[0])
     nominal = (wheels.nominal or wheels.size) / (first.robot.axle_length or TYPICAL_AXLE)
     interval = float(np.median(np.diff(first.yaw_rate.time)))  # type: ignore[union-attr]
+    turning = right - left
+    at_one_rate = abs(turning.mean()) > ONE_RATE * turning.std()
+    found = (_of_both if at_one_rate else _of_each)(
+        left, right, omega, nominal, int(CORRELATED_SECONDS / interval)
+    )
+    name, unit = f"{wheels.name}_over_axle", f"{wheels.scale_unit}/m"
+    reason = (
+        f"only the ratio of {wheels.name} to axle_length can be told: no channel saw the forward motion; "
+        f"left {found.values[0]:.5f}, right {found.values[1]:.5f}"
+    )
+    estimates = {f"{wheels.name}_{side}": unknown(wheels.scale_unit, reason) for side in ("left", "right")}
+    estimates["axle_length"] = unknown("m", reason)
+    for i, side in enumerate(("left", "right")):
+        estimates[f"{name}_{side}"] = _told(float(found.values[i]), float(found.sd[i]), unit, side)
+    estimates["yaw_rate_bias"] = found.bias
+    for key, part_unit in (("x", "m"), ("y", "m"), ("theta", "rad")):
+        estimates[f"sensor.{key}"] = unknown(part_unit, "a yaw rate is the same everywhere on the robot")
+    kept = found.fit.residuals[found.fit.weights >= 0.25]
+    residual = {
+        "yaw_rate_radps": float(np.sqrt(np.mean(kept**2))),
+        "rows": float(len(omega)),
+        "outliers": float(found.fit.outliers),
+    }
+    return Identification(
+        first.robot.name, "wheels and yaw rate", estimates, residual, _notes(found.values, nominal, wheels.name),
+        tuple(finding for recording in recordings for finding in recording.checks),
+    )  # fmt: skip
+
+
+def _of_each(
+    left: FloatArray, right: FloatArray, omega: FloatArray, nominal: float, correlated: int
+) -> _Ratios:
+    """Fit each wheel's ratio and the bias; `nominal` is a first guess, errors are alike over `correlated` rows."""
     fit = robust_fit(
         lambda p: (p[1] * right - p[0] * left + p[2])[:, None],
         omega[:, None],
         np.array([nominal, nominal, 0.0]),
         np.array([nominal, nominal, 0.01]),
-        correlated=int(CORRELATED_SECONDS / interval),
+        correlated=correlated,
     )
-    # rows that only ever drive straight leave a variance that rounding can make negative: nothing is told then
+    sd = _deviations(fit)
+    return _Ratios(fit.parameters[:2], sd[:2], Estimate(float(fit.parameters[2]), float(sd[2]), "rad/s"), fit)
+
+
+def _of_both(
+    left: FloatArray, right: FloatArray, omega: FloatArray, nominal: float, correlated: int
+) -> _Ratios:
+    """Fit one ratio of both wheels, without a bias, to a robot that turns at one rate; a bias would change it."""
+    fit = robust_fit(
+        lambda p: (p[0] * (right - left))[:, None],
+        omega[:, None],
+        np.array([nominal]),
+        np.array([nominal]),
+        correlated=correlated,
+    )
+    sd = np.hypot(_deviations(fit), USUAL_BIAS / abs(float((right - left).mean())))
+    bias = unknown("rad/s", "the robot always turned at about one rate; spin at several, both ways, and rest")
+    return _Ratios(np.repeat(fit.parameters, 2), np.repeat(sd, 2), bias, fit)
+
+
+def _deviations(fit: RobustFit) -> FloatArray:
+    """Return standard deviations (p,); rows that only ever drive straight leave variances that rounding makes negative:
+    nothing is told then.
+    """
     variance = np.diag(fit.covariance)
-    sd = np.sqrt(np.where(variance > 0.0, variance, np.inf))
-    name, unit = f"{wheels.name}_over_axle", f"{wheels.scale_unit}/m"
-    reason = (
-        f"only the ratio of {wheels.name} to axle_length can be told: no channel saw the forward motion; "
-        f"left {fit.parameters[0]:.5f}, right {fit.parameters[1]:.5f}"
-    )
-    estimates = {f"{wheels.name}_{side}": unknown(wheels.scale_unit, reason) for side in ("left", "right")}
-    estimates["axle_length"] = unknown("m", reason)
-    for i, side in enumerate(("left", "right")):
-        estimates[f"{name}_{side}"] = _told(float(fit.parameters[i]), float(sd[i]), unit, side)
-    estimates["yaw_rate_bias"] = Estimate(float(fit.parameters[2]), float(sd[2]), "rad/s")
-    for key, part_unit in (("x", "m"), ("y", "m"), ("theta", "rad")):
-        estimates[f"sensor.{key}"] = unknown(part_unit, "a yaw rate is the same everywhere on the robot")
-    kept = fit.residuals[fit.weights >= 0.25]
-    residual = {
-        "yaw_rate_radps": float(np.sqrt(np.mean(kept**2))),
-        "rows": float(len(omega)),
-        "outliers": float(fit.outliers),
-    }
-    return Identification(
-        first.robot.name, "wheels and yaw rate", estimates, residual, _notes(fit.parameters, nominal,
-        wheels.name), tuple(finding for recording in recordings for finding in recording.checks),
-    )  # fmt: skip
+    return np.asarray(np.sqrt(np.where(variance > 0.0, variance, np.inf)))
 
 
 def _told(value: float, sd: float, unit: str, side: str) -> Estimate:
@@ -88,8 +139,8 @@ def _rates(recording: Recording) -> tuple[FloatArray, FloatArray, FloatArray]:
     return left / step, right / step, np.interp(middle, track.time, track.value)
 
 
-def _notes(parameters: FloatArray, nominal: float, name: str) -> tuple[str, ...]:
-    mean = float(parameters[:2].mean())
+def _notes(ratios: FloatArray, nominal: float, name: str) -> tuple[str, ...]:
+    mean = float(ratios.mean())
     notes = []
     if mean < 0:
         notes.append(
