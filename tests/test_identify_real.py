@@ -93,6 +93,15 @@ def test_a_husky_that_spins_on_loam_turns_as_fast_as_its_makers_recordings_say(r
     assert ratio == pytest.approx(0.57, abs=0.02)
 
 
+@pytest.mark.parametrize("run", ["a-2", "a-4"])
+def test_a_warthog_that_slides_on_gravel_keeps_the_size_of_its_wheels(run):
+    """Its makers' recordings: 0.92 of the wheels' way and 0.58 of their turning, in the middle; wheels of 0.3 m."""
+    found = identify([read_recording(shared(f"warthog-floors/{run}.recording.yaml"))])
+    for side in ("left", "right"):
+        assert found.value(f"wheel_radius_{side}") == pytest.approx(0.3 * 0.92, rel=0.1)
+    assert found.value("axle_length") == pytest.approx(1.08 * 0.92 / 0.58, rel=0.1)
+
+
 def test_command_line_writes_the_contract(tmp_path):
     out = tmp_path / "out.json"
     path = shared("khepera3/l90.recording.yaml")

@@ -25,7 +25,7 @@ CORRELATED_SECONDS = (
 )
 FEWEST_ROWS = 50
 ONE_RATE = (
-    3.0  # mean of the turning over its spread: real drives have 0.1 to 0.9, real spins at one rate 21 to 120
+    3.0  # mean of the turning over its spread: real drives have 0.05 to 1.5, real spins at one rate 21 to 120
 )
 USUAL_BIAS = 0.02  # rad/s, standard deviation: 1 deg/s, what a trimmed gyro keeps
 
