@@ -37,16 +37,11 @@ from fsm_calib.types import FloatArray
 
 CELL = 4.0  # s in which the lag is one number
 LAGS: FloatArray = np.asarray(np.arange(-30, 31) * 0.05)  # s: real ones wander by 1.2, and start anywhere
-TWISTS = (
-    0.0,
-    0.02,
-    0.04,
-    0.08,
-)  # rad by which treads may be twisted before they turn the body (`skid_steer`)
+TWISTS = (0.02, 0.04, 0.08)  # rad by which treads are twisted before they turn the body (`skid_steer`)
 WALK = 0.1  # s, scale of a step from cell to cell
 SHORTEST_STEP = 0.2  # s between the poses that are compared
 FEWEST_CELLS = 8  # a bent lag has three numbers; less than half a minute tells no walk from it
-CLEARLY = 30.0  # log-likelihood units; 33 real tables that do not wander have -1 and less, three that do 149 and more
+CLEARLY = 30.0  # log-likelihood units; 29 real tables that do not wander have -1 and less, three that do 149 and more
 LEAST_STEP = 1e-6  # s between rows that the walk lays on one another
 ROUNDS = 8  # of walk and coefficients in turns
 
@@ -74,9 +69,8 @@ class _Moves:
         """Shift `steps` (n, 2) [s] by each lag; `ways` are times [s] and the travel of both wheels there."""
         time, *sides = ways
         shifted = steps[None] - LAGS[:, None, None]
-        return cls(
-            moved, cell, np.stack([np.diff(np.interp(shifted, time, s))[..., 0] for s in sides], axis=2)
-        )
+        travelled = [np.diff(np.interp(shifted, time, side))[..., 0] for side in sides]
+        return cls(moved, cell, np.stack(travelled, axis=2))
 
     def log_likelihood(self, laws: Sequence[tuple[FloatArray, float]]) -> FloatArray:
         """Return the log density of each move at each lag, shape (lags, n)."""
@@ -143,11 +137,9 @@ def wandering(pair: WheelPair, pose: PoseTrack) -> Walk | None:
     (gains, _), *_ = at_once.laws(np.full(len(cell), at_once.steady()[1]))
     turn = max(
         0.5 * abs(float(gains[1] - gains[0])), 1e-9
-    )  # rad of the body for each unit that the wheels differ by
-    twisted = [
-        _Moves.of(steps, moved, cell, _stuck(*travel(pair), slack=twist / turn)) for twist in TWISTS[1:]
-    ]
-    found = [_walk(told) for told in (at_once, *twisted)]
+    )  # of the body [rad] for each unit of the wheels' difference
+    stuck = [_stuck(*travel(pair), slack=twist / turn) for twist in TWISTS]
+    found = [_walk(told) for told in (at_once, *(_Moves.of(steps, moved, cell, ways) for ways in stuck))]
     score, path, _ = max(found, key=lambda walk: walk[0])
     if score - max(others for _, _, others in found) < CLEARLY:
         return None
