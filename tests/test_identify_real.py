@@ -102,6 +102,12 @@ def test_a_warthog_that_slides_on_gravel_keeps_the_size_of_its_wheels(run):
     assert found.value("axle_length") == pytest.approx(1.08 * 0.92 / 0.58, rel=0.1)
 
 
+def test_a_duckiebot_whose_commands_answer_its_poses_does_not_move_before_it_is_told_to():
+    found = identify([read_recording(shared("duckiebot-watchtower/b1-run3.recording.yaml"))])
+    assert 0.0 <= found.value("command_delay") < 0.05
+    assert 0.1 < found.value("tau_turn") < 0.2
+
+
 def test_command_line_writes_the_contract(tmp_path):
     out = tmp_path / "out.json"
     path = shared("khepera3/l90.recording.yaml")

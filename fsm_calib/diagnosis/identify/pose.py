@@ -111,7 +111,11 @@ def fit_pose(pose: PoseTrack, motion: Motion, start: Alignment) -> PoseFit:
     parameters = _parameters(motion, start, heading)
     free = tuple(parameters)
     problem = _problem(pose, motion, parameters, start, heading)
-    result = maximise(problem, _first(problem, parameters, len(pose)), len(pose), spare=free.index("s_b"))
+    found = [
+        maximise(problem, first, len(pose), spare=free.index("s_b"))
+        for first in _firsts(problem, parameters, len(pose))
+    ]
+    result = max(found, key=lambda likelihood: likelihood.log_likelihood)
     values = _natural(dict(zip(free, map(float, result.parameters), strict=True)), motion)
     return PoseFit(
         values, free, result.covariance, result.log_likelihood, _outliers(result), len(pose), heading, start
@@ -131,16 +135,19 @@ def _parameters(motion: Motion, start: Alignment, heading: bool) -> dict[str, Pa
     return parameters
 
 
-def _first(problem: Problem, parameters: dict[str, Parameter], rows: int) -> FloatArray:
-    """Return where to begin, shape (p,)."""
-    first = np.array([parameter.first for parameter in parameters.values()])
-    all_rows = np.ones(rows, dtype=bool)
+def _firsts(problem: Problem, parameters: dict[str, Parameter], rows: int) -> list[FloatArray]:
+    """Return where to begin, each (p,): the declared guess and, where another is likelier, that one, too.
+
+    The likelier guess may lie on the lesser hill: where a robot's commands answer its poses, early ones look likely.
+    """
+    declared = np.array([parameter.first for parameter in parameters.values()])
+    first, all_rows = declared, np.ones(rows, dtype=bool)
     for i, parameter in enumerate(parameters.values()):
         tried = np.tile(first, (1 + len(parameter.others), 1))
         tried[1:, i] = parameter.others
         if parameter.others:
             first = max(tried, key=lambda guess: problem.objective(guess, all_rows))
-    return first
+    return [declared] if (first == declared).all() else [declared, first]
 
 
 def _problem(
