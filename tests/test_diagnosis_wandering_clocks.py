@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sticking_treads import turned
 
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.wandering_clocks import wandering, with_steady_clocks
@@ -19,10 +20,7 @@ def drive(lag, twist=0.0, seed=0):
     time = np.arange(0.0, LASTS, 0.02)
     edges = np.arange(0.0, LASTS, 2.0)
     half = rng.uniform(-0.1, 0.1, edges.size)[np.searchsorted(edges, time, side="right") - 1]
-    ahead, theta = 0.0, np.zeros_like(time)
-    for i, turn in enumerate(2.0 * half[:-1] * 0.02 / AXLE, start=1):
-        held = float(np.clip(ahead + turn, -twist, twist))
-        theta[i], ahead = theta[i - 1] + ahead + turn - held, held
+    theta = turned(2.0 * half[:-1] * 0.02 / AXLE, twist)
     way = 0.3 * 0.02
     x, y = np.cumsum(way * np.cos(theta)), np.cumsum(way * np.sin(theta))
     noise = 1e-3 * rng.normal(size=(3, time.size))
@@ -40,10 +38,14 @@ def bumps(t):
     return 0.4 - 0.4 * np.cos(4.0 * np.pi * t / LASTS)
 
 
+def off(recording):
+    """Return how far the walk that is found lies from `bumps` [s], root mean square."""
+    walk, time = wandering(recording.wheel_speed, recording.pose), np.arange(10.0, 150.0)
+    return np.sqrt(np.mean((np.interp(time, walk.time, walk.lag) - bumps(time)) ** 2))
+
+
 def test_a_clock_that_wanders_is_found_to_a_grid_step():
-    walk = wandering(drive(bumps).wheel_speed, drive(bumps).pose)
-    off = np.interp(np.arange(10.0, 150.0), walk.time, walk.lag) - bumps(np.arange(10.0, 150.0))
-    assert np.sqrt(np.mean(off**2)) < 0.1
+    assert off(drive(bumps)) < 0.1
 
 
 def test_wheels_of_such_a_clock_are_laid_on_the_poses_clock_and_it_is_told():
@@ -76,10 +78,7 @@ def test_treads_that_stick_are_no_wandering_clock():
 
 
 def test_beside_treads_that_stick_the_clock_is_found():
-    recording = drive(bumps, twist=0.04)
-    walk = wandering(recording.wheel_speed, recording.pose)
-    off = np.interp(np.arange(10.0, 150.0), walk.time, walk.lag) - bumps(np.arange(10.0, 150.0))
-    assert np.sqrt(np.mean(off**2)) < 0.15
+    assert off(drive(bumps, twist=0.04)) < 0.15
 
 
 def test_wheels_that_only_measure_beside_commands_keep_their_clock():

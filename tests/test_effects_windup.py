@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from sticking_treads import turned as turned_through
 
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.recording.channels import WheelPair, YawRateTrack
@@ -106,10 +107,7 @@ def stuck_wheels_and_gyro(seed, twist):
     time = np.arange(0.0, 60.0, 0.02)
     edges = np.arange(0.0, 60.0, 1.5)
     half = rng.uniform(-0.1, 0.1, edges.size)[np.searchsorted(edges, time, side="right") - 1]
-    ahead, heading = 0.0, np.zeros_like(time)
-    for i, turn in enumerate(2.0 * half[:-1] * np.diff(time) / (AXLE * (1.0 + STRETCH)), start=1):
-        held = float(np.clip(ahead + turn, -twist, twist))
-        heading[i], ahead = heading[i - 1] + ahead + turn - held, held
+    heading = turned_through(2.0 * half[:-1] * np.diff(time) / (AXLE * (1.0 + STRETCH)), twist)
     rows = slice(None, None, 5)
     noise = 0.005 * rng.normal(size=len(time[rows]))
     return Recording(

@@ -19,6 +19,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.inputs import driving_rates, with_driving_rates
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.recording.channels import WheelPair
@@ -61,9 +62,7 @@ def with_bends(
 
 def _samples(recording: Recording) -> WheelPair | None:
     """Return the rates that drive the simulation of a recording, where they are samples."""
-    if recording.command is not None or recording.twist is not None:
-        return None
-    pair = recording.wheel_rate or recording.wheel_speed
+    pair = driving_rates(recording)
     sampled = pair is not None and pair.duration is None and pair.stamp in (None, "middle") and len(pair) > 2
     return pair if sampled else None
 
@@ -72,10 +71,9 @@ def _moved(recordings: Sequence[Recording], shift: float) -> list[Recording]:
     """Return the recordings with their rates `shift` [s] earlier."""
     moved = []
     for recording in recordings:
-        name = "wheel_rate" if recording.wheel_rate is not None else "wheel_speed"
         pair = _samples(recording)
-        change = {} if pair is None else {name: replace(pair, time=pair.time - shift)}
-        moved.append(replace(recording, **change))  # type: ignore[arg-type]
+        earlier = None if pair is None else replace(pair, time=pair.time - shift)
+        moved.append(recording if earlier is None else with_driving_rates(recording, earlier))
     return moved
 
 

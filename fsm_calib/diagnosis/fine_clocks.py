@@ -7,6 +7,7 @@ clocks, so it is put down to the clocks and told.
 
 from __future__ import annotations
 
+from fsm_calib.diagnosis.each_told import each_told
 from fsm_calib.diagnosis.late_commands import fitted_delay, with_commands_moved
 from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.two_clocks import NEAR
@@ -16,8 +17,7 @@ SURE = 0.005  # s, largest standard deviation of a shift that is worth its while
 
 def with_fine_clocks(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
     """Return the recordings with commands of another clock moved by what the poses tell, and a sentence for each."""
-    found = [_laid(recording) for recording in recordings]
-    return [recording for recording, _ in found], [said for _, said in found if said]
+    return each_told(_laid, recordings)
 
 
 def _laid(recording: Recording) -> tuple[Recording, str]:

@@ -1,4 +1,4 @@
-"""Wheel angles as the input of a drive, where neither commands nor rates were logged."""
+"""Wheels as the input of a drive: their rates where no commands were logged, angles where no rates were either."""
 
 from __future__ import annotations
 
@@ -35,3 +35,16 @@ def with_input(recording: Recording) -> Recording:
         )
     rates = WheelPair(thin.time, left, right, "rad/s", stamp="start")
     return replace(recording, wheel_angle=None, wheel_rate=rates)
+
+
+def driving_rates(recording: Recording) -> WheelPair | None:
+    """Return the wheel rates that drive the simulation of a recording; None where commands do."""
+    if recording.command is not None or recording.twist is not None:
+        return None
+    return recording.wheel_rate or recording.wheel_speed
+
+
+def with_driving_rates(recording: Recording, rates: WheelPair) -> Recording:
+    """Return the recording with others in the place of the rates that drive its simulation."""
+    name = "wheel_rate" if recording.wheel_rate is not None else "wheel_speed"
+    return replace(recording, **{name: rates})  # type: ignore[arg-type]

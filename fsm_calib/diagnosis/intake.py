@@ -66,11 +66,9 @@ def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ())
     notes += [sentence] if sentence else []
     train = [with_input(with_poses(sized(r, size), robot)) for r in recordings]
     new = [with_input(with_poses(sized(r, size), robot)) for r in holdouts]
-    (train, laid), (new, laid_new) = with_steady_clocks(train), with_steady_clocks(new)
-    notes += [*laid, *laid_new]
-    (train, told), (new, told_new) = with_fine_clocks(train), with_fine_clocks(new)
-    (train, placed), (new, placed_new) = with_changes_placed(train), with_changes_placed(new)
-    notes += [*told, *told_new, *placed, *placed_new]
+    for mended in (with_steady_clocks, with_fine_clocks, with_changes_placed):
+        (train, told), (new, told_new) = mended(train), mended(new)
+        notes += [*told, *told_new]
     train, new, sentence = with_stamps(train, new)
     notes += [sentence] if sentence else []
     if any(r.pose is not None and not r.pose.has_heading for r in train):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsm_calib.diagnosis.likelihood.robust import robust_weights
+from fsm_calib.diagnosis.likelihood.robust import log_density, robust_weights
 from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.types import FloatArray
 
@@ -45,3 +45,14 @@ def student_fit(design: FloatArray, target: FloatArray) -> tuple[FloatArray, flo
         scale = float(np.sqrt(np.mean(weight * left**2))) + 1e-12
         weight = robust_weights(left / scale, FREEDOM)
     return found, scale
+
+
+def log_densities(left: FloatArray, scale: float) -> FloatArray:
+    """Return the log density of each residual in `left` (..., n) by the Student distribution of a scale."""
+    return log_density(left / scale, np.full(left.shape[-1], -np.log(scale)), FREEDOM)
+
+
+def log_likelihood_of(moved: FloatArray, design: FloatArray) -> float:
+    """Return the log-likelihood of the columns of `moved` (n, c) given `design` (n, p), each column fitted alone."""
+    fits = [(column, *student_fit(design, column)) for column in moved.T]
+    return sum(float(log_densities(column - design @ found, scale).sum()) for column, found, scale in fits)

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.likelihood.robust import log_density
-from fsm_calib.diagnosis.pose_moves import FREEDOM, moves_between, student_fit
+from fsm_calib.diagnosis.inputs import driving_rates, with_driving_rates
+from fsm_calib.diagnosis.pose_moves import log_likelihood_of, moves_between
 from fsm_calib.recording.channels import WheelPair
 from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.wheel_stamps import travel
@@ -48,18 +48,13 @@ def with_stamps(
 
 def _unstated(recording: Recording) -> WheelPair | None:
     """Return the rates that drive the simulation of this recording, where their meaning is open."""
-    if recording.command is not None or recording.twist is not None:
-        return None
-    pair = recording.wheel_rate or recording.wheel_speed
+    pair = driving_rates(recording)
     return pair if pair is not None and pair.duration is None and pair.stamp is None else None
 
 
 def _means(recording: Recording) -> Recording:
     pair = _unstated(recording)
-    if pair is None:
-        return recording
-    name = "wheel_rate" if recording.wheel_rate is not None else "wheel_speed"
-    return replace(recording, **{name: replace(pair, stamp="end")})  # type: ignore[arg-type]
+    return recording if pair is None else with_driving_rates(recording, replace(pair, stamp="end"))
 
 
 def _gain(recording: Recording) -> float:
@@ -85,12 +80,4 @@ def _log_likelihood(pair: WheelPair, steps: FloatArray, measured: FloatArray, sh
     """
     time, *sides = travel(pair)
     ways = [np.diff(np.interp(steps + shift, time, side), axis=1)[:, 0] for side in sides]
-    design = np.column_stack(ways)
-    return sum(_student(design, column) for column in measured.T)
-
-
-def _student(design: FloatArray, target: FloatArray) -> float:
-    """Return the log-likelihood of `target` (n,) given `design` (n, p), coefficients and scale fitted."""
-    found, scale = student_fit(design, target)
-    left = target - design @ found
-    return float(log_density(left / scale, np.full(len(left), -np.log(scale)), FREEDOM).sum())
+    return log_likelihood_of(measured, np.column_stack(ways))

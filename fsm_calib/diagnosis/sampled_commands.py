@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from fsm_calib.diagnosis.each_told import each_told
 from fsm_calib.diagnosis.late_commands import fitted_delay, with_commands_moved
 from fsm_calib.recording.channels import CommandTrack, TwistTrack
 from fsm_calib.recording.recording import Recording
@@ -22,8 +23,7 @@ SURELY_EARLY = 3.0  # standard deviations of the fitted delay
 
 def with_changes_placed(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
     """Return the recordings with sampled commands where the poses follow them, and a sentence for each."""
-    found = [_placed(recording) for recording in recordings]
-    return [recording for recording, _ in found], [said for _, said in found if said]
+    return each_told(_placed, recordings)
 
 
 def row_step(track: CommandTrack | TwistTrack) -> float | None:

@@ -24,12 +24,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 
-from fsm_calib.diagnosis.likelihood.robust import log_density
-from fsm_calib.diagnosis.pose_moves import FREEDOM, moves_between, student_fit
+from fsm_calib.diagnosis.each_told import each_told
+from fsm_calib.diagnosis.inputs import driving_rates, with_driving_rates
+from fsm_calib.diagnosis.pose_moves import log_densities, log_likelihood_of, moves_between, student_fit
 from fsm_calib.recording.channels import PoseTrack, WheelPair
 from fsm_calib.recording.recording import Recording
 from fsm_calib.recording.wheel_stamps import travel
@@ -76,19 +77,22 @@ class _Moves:
         """Return the log density of each move at each lag, shape (lags, n)."""
         sums = np.zeros(self.travelled.shape[:2])
         for column, (gains, scale) in zip(self.moved.T, laws, strict=True):
-            left = (column - self.travelled @ gains) / scale
-            sums += log_density(left, np.full(len(column), -np.log(scale)), FREEDOM)
+            sums += log_densities(column - self.travelled @ gains, scale)
         return sums
+
+    def design(self, at: np.ndarray) -> FloatArray:
+        """Return the wheels' travel (n, 2) where the moves lag by `LAGS[at]`, at (n,)."""
+        return np.asarray(self.travelled[at, np.arange(len(at))])
 
     def laws(self, at: np.ndarray) -> list[tuple[FloatArray, float]]:
         """Return gains (2,) and scale of each column where the moves lag by `LAGS[at]`, at (n,)."""
-        design = self.travelled[at, np.arange(len(at))]
-        return [student_fit(design, column) for column in self.moved.T]
+        return [student_fit(self.design(at), column) for column in self.moved.T]
 
     def best(self, at: np.ndarray) -> float:
         """Return the log-likelihood where the moves lag by `LAGS[at]`, at (n,), gains and scales fitted."""
-        return float(self.log_likelihood(self.laws(at))[at, np.arange(len(at))].sum())
+        return log_likelihood_of(self.moved, self.design(at))
 
+    @cached_property
     def steady(self) -> tuple[float, int]:
         """Return the log-likelihood of the best lag that stays, and its row of `LAGS`."""
         return max((self.best(np.full(len(self.cell), i)), i) for i in range(len(LAGS)))
@@ -96,13 +100,11 @@ class _Moves:
 
 def with_steady_clocks(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
     """Return the recordings with wheels of a wandering clock laid on the poses' clock, and a sentence for each."""
-    found = [_laid(recording) for recording in recordings]
-    return [recording for recording, _ in found], [said for _, said in found if said]
+    return each_told(_laid, recordings)
 
 
 def _laid(recording: Recording) -> tuple[Recording, str]:
-    name, pose = _input_name(recording), recording.pose
-    pair: WheelPair | None = getattr(recording, name) if name else None
+    pair, pose = driving_rates(recording), recording.pose
     walk = wandering(pair, pose) if pair is not None and pose is not None else None
     if pair is None or walk is None:
         return recording, ""
@@ -112,15 +114,7 @@ def _laid(recording: Recording) -> tuple[Recording, str]:
         f"{recording.source}: the wheels' clock wanders by {np.ptp(walk.lag):.1f} s beside the poses' (were its rows "
         "stamped by counting?) and is laid on theirs: no delay can be told; record the stamps of the messages"
     )
-    changes: dict[str, Any] = {name: replace(pair, time=time)}
-    return replace(recording, **changes), said
-
-
-def _input_name(recording: Recording) -> str:
-    """Return the channel of wheel rates that drives the simulation of this recording; empty where commands do."""
-    if recording.command is not None or recording.twist is not None:
-        return ""
-    return next((n for n in ("wheel_rate", "wheel_speed") if getattr(recording, n) is not None), "")
+    return with_driving_rates(recording, replace(pair, time=time)), said
 
 
 def wandering(pair: WheelPair, pose: PoseTrack) -> Walk | None:
@@ -133,13 +127,13 @@ def wandering(pair: WheelPair, pose: PoseTrack) -> Walk | None:
     cell = ((steps[:, 0] - steps[0, 0]) / CELL).astype(int)
     if cell[-1] + 1 < FEWEST_CELLS:
         return None
-    at_once = _Moves.of(steps, moved, cell, travel(pair))
-    (gains, _), *_ = at_once.laws(np.full(len(cell), at_once.steady()[1]))
-    turn = max(
-        0.5 * abs(float(gains[1] - gains[0])), 1e-9
-    )  # of the body [rad] for each unit of the wheels' difference
-    stuck = [_stuck(*travel(pair), slack=twist / turn) for twist in TWISTS]
-    found = [_walk(told) for told in (at_once, *(_Moves.of(steps, moved, cell, ways) for ways in stuck))]
+    ways = travel(pair)
+    at_once = _Moves.of(steps, moved, cell, ways)
+    (gains, _), *_ = at_once.laws(np.full(len(cell), at_once.steady[1]))
+    # of the body [rad] for each unit of the wheels' difference
+    turn = max(0.5 * abs(float(gains[1] - gains[0])), 1e-9)
+    stuck = [_stuck(*ways, slack=twist / turn) for twist in TWISTS]
+    found = [_walk(told) for told in (at_once, *(_Moves.of(steps, moved, cell, late) for late in stuck))]
     score, path, _ = max(found, key=lambda walk: walk[0])
     if score - max(others for _, _, others in found) < CLEARLY:
         return None
@@ -148,7 +142,7 @@ def wandering(pair: WheelPair, pose: PoseTrack) -> Walk | None:
 
 def _walk(told: _Moves) -> tuple[float, np.ndarray, float]:
     """Return the log-probability of the likeliest walk, the walk as rows of `LAGS`, and the best of what has a name."""
-    steady, at = told.steady()
+    steady, at = told.steady
     path, score = np.full(told.cell[-1] + 1, at), steady
     for _ in range(ROUNDS):
         path, score = _likeliest_walk(_by_cell(told.log_likelihood(told.laws(path[told.cell])), told.cell))

@@ -8,9 +8,9 @@ from fsm_calib.world2d.effects.numbered import starts_in
 from fsm_calib.world2d.parameters import parameter_table
 
 
-def begins_of(fit: Fit, name: str, run: int) -> list[tuple[str, float]]:
-    """Return the name and the value [s] of each begin of an effect that is free in a recording."""
+def begins_of(fit: Fit, name: str, run: int) -> list[float]:
+    """Return each begin [s] of an effect that is free in a recording."""
     table = parameter_table()
     free = {slot.place for slot in fit.slots if slot.run == run}
-    places = {n: table.place(f"{name}.{n}") for n in starts_in(p.name for p in registry()[name].parameters)}
-    return [(n, float(fit.values[run, place])) for n, place in places.items() if place in free]
+    places = [table.place(f"{name}.{n}") for n in starts_in(p.name for p in registry()[name].parameters)]
+    return [float(fit.values[run, place]) for place in places if place in free]

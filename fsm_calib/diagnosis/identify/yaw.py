@@ -24,9 +24,7 @@ CORRELATED_SECONDS = (
     2.0  # s: wheel slip and drive ripple make neighbouring yaw-rate errors alike for about so long
 )
 FEWEST_ROWS = 50
-ONE_RATE = (
-    3.0  # mean of the turning over its spread: real drives have 0.05 to 1.5, real spins at one rate 21 to 120
-)
+ONE_RATE = 3.0  # mean of the turning over its spread: of real drives 0.05 to 1.5, spins at one rate 21 to 120
 USUAL_BIAS = 0.02  # rad/s, standard deviation: 1 deg/s, what a trimmed gyro keeps
 
 

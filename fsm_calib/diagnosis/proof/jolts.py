@@ -57,7 +57,7 @@ def _moments(fit: Fit, effects: Sequence[str]) -> dict[int, list[float]]:
     found = dict[int, list[float]]()
     for effect in (registry()[name] for name in effects if is_event(registry()[name])):
         for run in fit.runs_of(effect.name):
-            starts = [start for _, start in begins_of(fit, effect.name, run)]
+            starts = begins_of(fit, effect.name, run)
             if effect.when == "moment" or len(starts) > 1:
                 found.setdefault(run, []).extend(starts)
     return found

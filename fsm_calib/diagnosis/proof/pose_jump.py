@@ -51,10 +51,7 @@ def moments_of(fit: Fit, effects: Sequence[str]) -> list[tuple[int, float]]:
     """Return recording and start [s] of every moment that a fit of some effects has, of each time that it came."""
     momentary = [name for name in effects if registry()[name].when == "moment"]
     return [
-        (run, start)
-        for name in momentary
-        for run in fit.runs_of(name)
-        for _, start in begins_of(fit, name, run)
+        (run, start) for name in momentary for run in fit.runs_of(name) for start in begins_of(fit, name, run)
     ]
 
 

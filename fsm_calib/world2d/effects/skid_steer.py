@@ -59,28 +59,25 @@ def wind_up(P, o, S, m, W):
     treads have passed on.
     """
     W[SIDE_COMPLIANCE] += 2.0 * P[o + 4] / W[MASS]
-    trail, way, slack = P[o + 1], P[o + 2], 2.0 * W[HALF_AXLE] * P[o + 3]
-    if trail <= 0.0 and way <= 0.0 and slack <= 0.0:
-        return
-    left, right, step = W[TARGET], W[TARGET + 1], W[STEP]
+    trail, way, slack, step = P[o + 1], P[o + 2], 2.0 * W[HALF_AXLE] * P[o + 3], W[STEP]
     if slack > 0.0:
-        ahead = S[m + 1] + (right - left) * step
+        mean, ahead = 0.5 * (W[TARGET] + W[TARGET + 1]), S[m + 1] + (W[TARGET + 1] - W[TARGET]) * step
         S[m + 1] = min(max(ahead, -slack), slack)
-        mean, half = 0.5 * (left + right), 0.5 * (ahead - S[m + 1]) / step
-        left, right = mean - half, mean + half
+        half = 0.5 * (ahead - S[m + 1]) / step
+        W[TARGET], W[TARGET + 1] = mean - half, mean + half
     if trail <= 0.0 and way <= 0.0:
-        W[TARGET], W[TARGET + 1] = left, right
         return
+    left, right = W[TARGET], W[TARGET + 1]
     gone = step / trail if trail > 0.0 else 0.5 * (abs(left) + abs(right)) * step / way
-    if (
-        gone <= 0.0
-    ):  # wheels that stand turn nothing, and what is wound up stays (no closure has a way and a twist)
+    if gone <= 0.0:  # wheels that stand turn nothing, and what is wound up stays
         return
     mean, short = 0.5 * (left + right), S[m] - (right - left)
     half = 0.5 * (right - left + short * (1.0 - math.exp(-gone)) / gone)
     S[m] = right - left + short * math.exp(-gone)
     W[TARGET], W[TARGET + 1] = mean - half, mean + half
 
+
+WIDER = "The robot turns as if its wheels stood {stretch} of the stated axle farther apart"
 
 EFFECT = Effect(
     name="skid_steer",
@@ -112,18 +109,15 @@ EFFECT = Effect(
     closures=(
         Closure("full", ("stretch",), "at once"),
         Closure("trailing", ("stretch", "trail"), "the body turns late",
-            "The robot turns as if its wheels stood {stretch} of the stated axle farther apart, and {trail} late."),
+            WIDER + ", and {trail} late."),
         Closure("winding up", ("stretch", "way"), "the treads wind up first",
-            "The robot turns as if its wheels stood {stretch} of the stated axle farther apart, after {way} of way."),
+            WIDER + ", after {way} of way."),
         Closure("drifting", ("stretch", "drift"), "and drifts outwards in curves",
-            "The robot turns as if its wheels stood {stretch} of the stated axle farther apart, and drifts outwards in "
-            "curves by {drift} times its centripetal acceleration."),
+            WIDER + ", and drifts outwards in curves by {drift} times its centripetal acceleration."),
         Closure("sticking", ("stretch", "twist"), "the treads stick and twist before they turn the body",
-            "The robot turns as if its wheels stood {stretch} of the stated axle farther apart; its treads stick until "
-            "they are twisted by {twist}."),
+            WIDER + "; its treads stick until they are twisted by {twist}."),
         Closure("sticking, trailing", ("stretch", "twist", "trail"), "and it turns late",
-            "The robot turns as if its wheels stood {stretch} of the stated axle farther apart; its treads stick until "
-            "they are twisted by {twist}, and the body follows {trail} late."),
+            WIDER + "; its treads stick until they are twisted by {twist}, and the body follows {trail} late."),
     ),
     hooks={"begin": widen, "step": wind_up},
     memory=2,
@@ -132,7 +126,7 @@ EFFECT = Effect(
     separates="all turning is too slow by one factor, at every rate, both ways; the stated axle speaks for it",
     rivals=("tyre_scrub", "motor_deadband", "wheel_slip"),
     manoeuvre="spins and arcs at three rates, and a tape measure on the track",
-    sentence="The robot turns as if its wheels stood {stretch} of the stated axle farther apart: they skid sideways.",
+    sentence=WIDER + ": they skid sideways.",
     source="Mandow et al., IROS 2007, section III",
     input="wheels",
     excludes=("caster_drag", "lateral_slip"),
