@@ -29,13 +29,14 @@ GROUND = {"types", "errors"}
 PHYSICS = GROUND | {"ports", "python_file"}
 BELOW_RUNNER = GROUND | {
     "actions", "calibration_files", "diagnosis", "journal", "machines", "outcome", "perception", "ports",
-    "recording", "robots", "scenario", "statechart", "stops", "world2d",
+    "recording", "robots", "scenario", "statechart", "stops", "workers", "world2d",
 }  # fmt: skip
 MAY_KNOW: dict[str, set[str]] = {
     "types": set(),
     "errors": set(),
     "python_file": {"errors"},
     "stops": GROUND,
+    "workers": {"stops"},
     "sealed": GROUND,
     "shipped": GROUND,
     "ports": GROUND,
@@ -47,7 +48,7 @@ MAY_KNOW: dict[str, set[str]] = {
     "actions": GROUND | {"ports", "perception", "outcome"},
     "recording": GROUND | {"perception"},
     "robots": GROUND | {"ports", "recording", "world2d"},
-    "diagnosis": GROUND | {"recording", "world2d"},
+    "diagnosis": GROUND | {"recording", "workers", "world2d"},
     "targets": GROUND | {"perception", "world2d"},
     "demo": GROUND | {"recording", "world2d"},
     "journal": GROUND | {"sealed"},

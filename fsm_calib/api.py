@@ -105,6 +105,7 @@ def diagnose(
     *,
     without: Sequence[str] = (),
     seed: int = 0,
+    jobs: int = 1,
 ) -> DiagnosisAnswer:
     """Compare recordings with the simulation and say which physics it leaves out.
 
@@ -118,6 +119,8 @@ def diagnose(
         Names to leave out of the catalogue.
     seed : int
         Of the significance test.
+    jobs : int
+        Fits side by side, in processes forked from this one; the answer does not depend on it.
 
     Raises
     ------
@@ -125,8 +128,10 @@ def diagnose(
         A recording cannot be read, or has too few poses or no commands.
     """
     from fsm_calib.diagnosis.diagnose import diagnose as diagnosed
+    from fsm_calib.diagnosis.replay.settings import Settings
 
-    found = diagnosed(_read(recordings), _read(holdout), without=without, seed=seed)
+    settings = Settings(processes=jobs)
+    found = diagnosed(_read(recordings), _read(holdout), without=without, settings=settings, seed=seed)
     plain = found.verdict.as_json()
     rows = [(e["name"], f"{e['sentence']} ({100 * e['confidence']:.0f} % sure)") for e in plain["effects"]]
     errors = plain["fit"]["holdout"] or plain["fit"]["train"]

@@ -8,7 +8,8 @@ from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.polish import polished
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, jacobian
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values

@@ -5,7 +5,8 @@ import pytest
 from diagnosis_robots import HEADING_NOISE, POSITION_NOISE, engine_of, recording
 
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import jacobian, with_slots
+from fsm_calib.diagnosis.fitting.fit import jacobian
+from fsm_calib.diagnosis.fitting.slot import with_slots
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener, log_density, robust_weights
 from fsm_calib.diagnosis.replay.prepared import prepare

@@ -12,7 +12,8 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     hypotheses_of,
     starts_move_all,
 )
-from fsm_calib.diagnosis.candidates.ranking import Bank, parameters_of
+from fsm_calib.diagnosis.candidates.ranked import parameters_of
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.scan import DEFAULTS, SCANS, scan_of
 from fsm_calib.diagnosis.candidates.scan_markers import (
     HEADING,

@@ -8,7 +8,8 @@ import pytest
 from diagnosis_robots import engine_of, fitted_number, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.starts import Start
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values

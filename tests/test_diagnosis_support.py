@@ -11,7 +11,8 @@ from scipy.stats import norm
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.polish import polished
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
 from fsm_calib.diagnosis.proof import gap
 from fsm_calib.diagnosis.proof.form_test import Contest, Remainder, contest
@@ -231,7 +232,11 @@ def test_the_nearest_neighbour_of_an_effect_is_asked_whatever_it_had_alone(monke
         values = np.array([parameters()])
         return Ranked(Hypothesis(name, ()), SimpleNamespace(values=values, score=0.0), evidence, evidence)
 
-    bank = SimpleNamespace(fit=fit, best_of=lambda effect: None)
+    bank = SimpleNamespace(
+        fit=fit,
+        best_of=lambda effect: None,
+        side_by_side=lambda work, things: [work(thing) for thing in things],
+    )
     monkeypatch.setattr(cross_examined.Bank, "on", lambda engine, fit: bank)
     nap, slope = ranked("carpet_nap", 100.0), ranked("floor_tilt", 1.0)
     others = tuple(ranked(name, 60.0) for name in ("motor_deadband", "gear_backlash", "tyre_scrub"))

@@ -42,8 +42,10 @@ def demo(
         return
     from fsm_calib.demo import HIDDEN, drive_demo
     from fsm_calib.diagnosis.diagnose import diagnose
+    from fsm_calib.diagnosis.replay.settings import Settings
     from fsm_calib.progress.diagnosis import DiagnosisProgress
     from fsm_calib.recording.writers import write_recording
+    from fsm_calib.workers import usable_cores
     from fsm_calib.world2d.effects import registry
 
     make_folder(out)
@@ -53,7 +55,8 @@ def demo(
     for recording in (*drives.learned, drives.judged):
         write_recording(recording, Path(recording.source))
     with DiagnosisProgress(len(registry())) as bar:
-        found = diagnose(drives.learned, (drives.judged,), progress=bar.part, seed=seed)
+        settings = Settings(processes=usable_cores())
+        found = diagnose(drives.learned, (drives.judged,), settings=settings, progress=bar.part, seed=seed)
     page = _write_page(found, out)
     plain = found.verdict.as_json()
     typer.echo("\n".join(["", *_story(plain, drives.eccentricity), "", f"page   {page}"]))

@@ -24,10 +24,12 @@ from fsm_calib.commands.next_drive import next_drive_of, write_plan
 from fsm_calib.commands.options import EffectsOption
 from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.errors import UnknownNameError
+from fsm_calib.workers import usable_cores
 
 if TYPE_CHECKING:
     from fsm_calib.diagnosis.diagnose import Diagnosis
     from fsm_calib.diagnosis.own_simulator import OwnSimulator
+    from fsm_calib.diagnosis.replay.settings import Settings
     from fsm_calib.recording.recording import Recording
 
 PAGES = (".html", ".htm")
@@ -52,6 +54,7 @@ def diagnose_command(
     area: options.AreaOption = None,
     longest: options.LongestOption = None,
     seed: options.SeedOption = 0,
+    jobs: options.ProcessesOption = None,
     tag_map: TagMapFile = None,
     effects: EffectsOption = None,
     command: CommandTopic = None,
@@ -68,7 +71,7 @@ def diagnose_command(
     named = named_by(command, pose, wheels, urdf)
     train, new = recordings_given(recordings, holdout or (), tag_map=tag_map, named=named)
     simulated = recordings_given(against, tag_map=tag_map, named=named)[0] if against else []
-    asked = Asked(train, new, tuple(without or ()), seed)
+    asked = Asked(train, new, tuple(without or ()), seed, jobs or usable_cores())
     result, plain = _beside(asked, simulated, called) if against or called else _alone(asked, physics)
     for note in result.notes:
         typer.echo(note, err=True)
@@ -83,12 +86,20 @@ def diagnose_command(
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked: recordings to fit and to judge on, effects to leave out, seed."""
+    """What is asked: recordings to fit and to judge on, effects to leave out, seed, fits side by side."""
 
     train: Sequence[Recording]
     new: Sequence[Recording]
     without: tuple[str, ...]
     seed: int
+    processes: int
+
+    @property
+    def settings(self) -> Settings:
+        """How the diagnosis looks at the recordings."""
+        from fsm_calib.diagnosis.replay.settings import Settings
+
+        return Settings(processes=self.processes)
 
 
 def _alone(asked: Asked, physics: dict[str, float] | None) -> tuple[Diagnosis, dict[str, Any]]:
@@ -99,7 +110,13 @@ def _alone(asked: Asked, physics: dict[str, float] | None) -> tuple[Diagnosis, d
 
     with DiagnosisProgress(len(registry())) as bar:
         result = diagnose(
-            asked.train, asked.new, without=asked.without, world=physics, progress=bar.part, seed=asked.seed
+            asked.train,
+            asked.new,
+            without=asked.without,
+            world=physics,
+            settings=asked.settings,
+            progress=bar.part,
+            seed=asked.seed,
         )
     return result, result.verdict.as_json()
 
@@ -123,6 +140,7 @@ def _beside(
             [*simulated, *made],
             asked.new,
             without=asked.without,
+            settings=asked.settings,
             progress=bar.part,
             seed=asked.seed,
         )

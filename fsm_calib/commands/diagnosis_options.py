@@ -67,3 +67,9 @@ LongestOption = Annotated[
     ),
 ]
 SeedOption = Annotated[int, typer.Option(metavar="N", help="Seed of the significance test.")]
+ProcessesOption = Annotated[
+    int | None,
+    typer.Option(
+        "--jobs", metavar="N", help="Fits side by side (default: all cores).", min=1, show_default=False
+    ),
+]

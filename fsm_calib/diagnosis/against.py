@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
+from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
 from fsm_calib.diagnosis.sized import identified_facts, sized
 from fsm_calib.diagnosis.verdict.explain import estimates
 from fsm_calib.diagnosis.verdict.verdict import Estimate
@@ -97,6 +98,7 @@ def diagnose_against(
     holdouts: Sequence[Recording] = (),
     *,
     without: Iterable[str] = (),
+    settings: Settings = DEFAULT_SETTINGS,
     progress: Callable[[str], None] = lambda part: None,
     seed: int = 0,
 ) -> Against:
@@ -104,7 +106,7 @@ def diagnose_against(
 
     Parameters
     ----------
-    recordings, holdouts : of the real robot, as in `diagnose`.
+    recordings, holdouts, settings : of the real robot, as in `diagnose`.
     simulated : what the simulator's robot did, with the same commands or others.
 
     Raises
@@ -121,10 +123,19 @@ def diagnose_against(
     described = diagnose(
         [sized(s, real[0].robot) for s in simulated] if real else simulated,
         without=left_out,
+        settings=settings,
         progress=progress,
         seed=seed,
     )
-    found = diagnose(real, new, without=left_out, world=effects_of(described), progress=progress, seed=seed)
+    found = diagnose(
+        real,
+        new,
+        without=left_out,
+        world=effects_of(described),
+        settings=settings,
+        progress=progress,
+        seed=seed,
+    )
     sizes = sizes_of(described)
     return Against(found, described, sizes, tuple(_differences(found, described, sizes)))
 

@@ -75,7 +75,7 @@ def diagnose(
         A recording has no poses with headings, too few of them, or no input.
     """
     began = perf_counter()
-    taken = take_in(recordings, holdouts)
+    taken = take_in(recordings, holdouts, settings.processes)
     simulators = tuple(make_simulator(prepare(r, settings), world) for r in taken.train)
     new = tuple(make_simulator(prepare(r, settings), world) for r in taken.holdout)
     read = perf_counter() - began

@@ -15,9 +15,9 @@ from fsm_calib.recording.two_clocks import NEAR
 SURE = 0.005  # s, largest standard deviation of a shift that is worth its while
 
 
-def with_fine_clocks(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
+def with_fine_clocks(recordings: list[Recording], processes: int = 1) -> tuple[list[Recording], list[str]]:
     """Return the recordings with commands of another clock moved by what the poses tell, and a sentence for each."""
-    return each_told(_laid, recordings)
+    return each_told(_laid, recordings, processes)
 
 
 def _laid(recording: Recording) -> tuple[Recording, str]:

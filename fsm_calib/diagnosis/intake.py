@@ -47,8 +47,12 @@ class Intake:
     notes: tuple[str, ...] = ()
 
 
-def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ()) -> Intake:
+def take_in(
+    recordings: Sequence[Recording], holdouts: Sequence[Recording] = (), processes: int = 1
+) -> Intake:
     """Return the recordings as drives with poses; the robot is identified from `recordings` alone.
+
+    processes : so many recordings are worked on side by side.
 
     Raises
     ------
@@ -67,8 +71,9 @@ def take_in(recordings: Sequence[Recording], holdouts: Sequence[Recording] = ())
     train = [with_input(with_poses(sized(r, size), robot)) for r in recordings]
     new = [with_input(with_poses(sized(r, size), robot)) for r in holdouts]
     for mended in (with_steady_clocks, with_fine_clocks, with_changes_placed):
-        (train, told), (new, told_new) = mended(train), mended(new)
-        notes += [*told, *told_new]
+        laid, told = mended([*train, *new], processes)
+        train, new = laid[: len(train)], laid[len(train) :]
+        notes += told
     train, new, sentence = with_stamps(train, new)
     notes += [sentence] if sentence else []
     if any(r.pose is not None and not r.pose.has_heading for r in train):

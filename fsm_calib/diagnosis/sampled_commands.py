@@ -21,9 +21,9 @@ SAME_STEP = 0.1  # of the usual step between rows
 SURELY_EARLY = 3.0  # standard deviations of the fitted delay
 
 
-def with_changes_placed(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
+def with_changes_placed(recordings: list[Recording], processes: int = 1) -> tuple[list[Recording], list[str]]:
     """Return the recordings with sampled commands where the poses follow them, and a sentence for each."""
-    return each_told(_placed, recordings)
+    return each_told(_placed, recordings, processes)
 
 
 def row_step(track: CommandTrack | TwistTrack) -> float | None:

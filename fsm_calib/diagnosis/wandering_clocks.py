@@ -98,9 +98,9 @@ class _Moves:
         return max((self.best(np.full(len(self.cell), i)), i) for i in range(len(LAGS)))
 
 
-def with_steady_clocks(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
+def with_steady_clocks(recordings: list[Recording], processes: int = 1) -> tuple[list[Recording], list[str]]:
     """Return the recordings with wheels of a wandering clock laid on the poses' clock, and a sentence for each."""
-    return each_told(_laid, recordings)
+    return each_told(_laid, recordings, processes)
 
 
 def _laid(recording: Recording) -> tuple[Recording, str]:

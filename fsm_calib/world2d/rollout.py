@@ -68,7 +68,10 @@ class Drive:
     def padded(self, begin: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the arrays with a row of zeros in front, so that they start before `begin` [s]."""
         early = min(begin, self.time[0]) - 10.0
-        return np.r_[early, self.time], np.r_[0.0, self.left], np.r_[0.0, self.right]
+        rows = np.empty((3, len(self.time) + 1))
+        rows[:, 0] = early, 0.0, 0.0
+        rows[0, 1:], rows[1, 1:], rows[2, 1:] = self.time, self.left, self.right
+        return rows[0], rows[1], rows[2]
 
 
 @per_catalogue

@@ -15,7 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsm_calib.diagnosis.fitting.fit import Fit, with_slots
+from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.fitting.slot import with_slots
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
 

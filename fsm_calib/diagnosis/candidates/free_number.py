@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
-from fsm_calib.diagnosis.fitting.fit import Engine, Fit, with_slots
-from fsm_calib.diagnosis.fitting.slot import Slot
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.slot import Slot, with_slots
 from fsm_calib.diagnosis.fitting.wald import wald
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect

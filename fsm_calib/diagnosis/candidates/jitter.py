@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import NEEDED, STEPS
-from fsm_calib.diagnosis.candidates.ranking import evidence_of
+from fsm_calib.diagnosis.candidates.ranked import evidence_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 

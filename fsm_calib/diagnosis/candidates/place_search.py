@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.types import FloatArray

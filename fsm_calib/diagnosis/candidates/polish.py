@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fsm_calib.diagnosis.candidates.commuted import commuted
-from fsm_calib.diagnosis.candidates.ranking import LAST_STEPS, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import LAST_STEPS
 from fsm_calib.diagnosis.candidates.ridge import beyond_the_ridge
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 

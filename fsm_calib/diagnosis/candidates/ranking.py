@@ -4,31 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.candidate import Candidate
 from fsm_calib.diagnosis.candidates.extended import beyond
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
     alike_in,
-    asked_for,
     declared_starts,
     hypotheses_of,
     single_steps,
     slots_of,
     starts_move_all,
 )
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, strongest
 from fsm_calib.diagnosis.candidates.scan import Scanner, scan_of
+from fsm_calib.diagnosis.candidates.scanned import Plans, scanned
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
-from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
+from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.replay.simulator import scale_of
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.score_tests import residual_of
-from fsm_calib.types import FloatArray
+from fsm_calib.workers import each
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -37,40 +39,24 @@ HOPELESS = 2.0  # log-likelihood units: below, the noise is not fitted again and
 FAR_BELOW = 0.3  # of the evidence that counts: a fit at its parent's noise that has less is not finished
 NEAR_ENOUGH = 40.0  # evidence below the best within which every fit is finished: rivals are told by their gap
 FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are computed again
-WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
-FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted; a name needs more
 NESTING_SLACK = 1e-6
 
+AHEAD = 4  # effects a process that are asked at a time
+
+Thing = TypeVar("Thing")
+Result = TypeVar("Result")
 Progress = Callable[[str], None]
 Distinct = dict[Hypothesis, list[int]]
-Plans = list[tuple[Hypothesis, list[Start]]]
-"""Forms with where each starts."""
 
 
 @dataclass(frozen=True, eq=False)
-class Ranked:
-    """One fitted hypothesis: evidence = 2 (log L - log L of its parent) - k ln N (Schwarz, Ann. Stat. 6 (1978) 461)."""
+class Asked:
+    """What an effect has begun, which of its forms promise too little, and the starts that are distinct, if new."""
 
-    hypothesis: Hypothesis
-    fit: Fit
-    evidence: float
-    gain: float
-
-    @property
-    def name(self) -> str:
-        """The effect's name."""
-        return self.hypothesis.effect
-
-
-def evidence_of(fit: Fit, parent: Fit, count: int) -> float:
-    """Return twice the gained log-likelihood minus the cost of the additional numbers."""
-    extra = fit.size - parent.size
-    return 2.0 * (fit.score - parent.score) - extra * float(np.log(count))
-
-
-def strongest(tried: Iterable[Ranked]) -> Ranked | None:
-    """Return the one with the most evidence; None where there is none."""
-    return max(tried, key=lambda ranked: ranked.evidence, default=None)
+    name: str
+    begun: tuple[Ranked, ...]
+    left: tuple[Hypothesis, ...]
+    distinct: Distinct
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,43 +100,75 @@ class Bank:
         is given up early, and asked again in the next. On the base robot all are fitted where one has more evidence
         than `noticed`; where none has, a form that promises nothing has won nothing.
         """
-        on_base, most = not self.scanner.worth, 0.0
-        begun: dict[str, list[Ranked]] = {}
-        left: dict[str, list[Hypothesis]] = {}
-        for effect in effects:
-            progress(effect.name)
-            hope = self._worth if on_base else max(self._worth, FAR_BELOW * most)
-            plans = self.plans(effect, hope)
-            begun[effect.name] = self._all_begun(effect, plans, hope)
-            left[effect.name] = [form for form, starts in plans if not starts]
-            most = max([most, *(ranked.gain for ranked in begun[effect.name])])
-        if on_base:
+        asked = self._all_asked(list(effects), progress)
+        begun = {answer.name: list(answer.begun) for answer in asked}
+        if not self.scanner.worth:
             fitted = any(ranked.evidence > noticed for found in begun.values() for ranked in found)
-            for name, forms in left.items():
-                begun[name] += (
-                    self._asked_again(name, forms) if fitted else map(self._without_gain, forms[:1])
-                )
+            again = self.side_by_side(self._asked_again, asked) if fitted else map(self._without_gain, asked)
+            for answer, more in zip(asked, again, strict=True):
+                begun[answer.name] += more
         kept = [kept for found in begun.values() for kept in self._kept(found)]
         near = self._near(kept)
-        done = [self._finished(ranked) if ranked.name in near else ranked for ranked in kept]
+        finished = iter(self.side_by_side(self._finished, [ranked for ranked in kept if ranked.name in near]))
+        done = [next(finished) if ranked.name in near else ranked for ranked in kept]
         best: dict[str, Ranked] = {}
         for ranked in sorted(done, key=lambda r: -r.evidence):
             best.setdefault(ranked.name, ranked)
         return list(best.values())
+
+    def _all_asked(self, effects: Sequence[Effect], progress: Progress) -> list[Asked]:
+        """Return what each effect begins, each with the hope that those before it leave.
+
+        Several are asked side by side as if none of them won more than those before; where one does, those after it are
+        asked again, so that the answers are those of one after the other.
+        """
+        processes, asked, many = self.engine.processes, list[Asked](), 1
+        active = parameter_table().active_effects(self.parent.values[0])
+        self.scanner.look_for([effect for effect in effects if effect.name not in active])
+        while len(asked) < len(effects):
+            hope, some = self._hope(asked), effects[len(asked) : len(asked) + many]
+            for answer in self.side_by_side(partial(self._asked, hope), some):
+                if self._hope(asked) != hope:
+                    break
+                progress(answer.name)
+                asked.append(answer)
+                self.distinct.update(answer.distinct)
+            many = min(2 * many, AHEAD * processes) if processes > 1 else 1
+        return asked
+
+    def _hope(self, asked: Sequence[Asked]) -> float:
+        """Return the gain that the next effect must come near, once others have been asked."""
+        if not self.scanner.worth:
+            return self._worth
+        return max(
+            self._worth, FAR_BELOW * max((ranked.gain for a in asked for ranked in a.begun), default=0.0)
+        )
+
+    def _asked(self, hope: float, effect: Effect) -> Asked:
+        """Return what an effect begins; forms that are far from winning `hope` are left."""
+        plans = self.plans(effect, hope)
+        begun = self._all_begun(effect, plans, hope)
+        left = tuple(form for form, starts in plans if not starts)
+        learned = {form: self.distinct[form] for form, _ in plans if form in self.distinct}
+        return Asked(effect.name, tuple(begun), left, learned)
+
+    def side_by_side(self, work: Callable[[Thing], Result], things: Iterable[Thing]) -> list[Result]:
+        """Return what comes of every thing; results hold the parent's large parts, not copies."""
+        return each(work, things, self.engine.processes, self.parent.parts)
 
     def _all_begun(self, effect: Effect, plans: Plans, hope: float) -> list[Ranked]:
         """Return the forms of an effect begun from their starts, and the closures that extend those which win."""
         begun = [self._begun(form, start, hope) for form, starts in plans for start in starts]
         return begun + self._extended(effect, begun)
 
-    def _asked_again(self, name: str, forms: Sequence[Hypothesis]) -> list[Ranked]:
-        """Return forms of an effect that promise nothing, begun all the same."""
-        plans = [(form, self._starts(form, -np.inf)) for form in forms]
-        return self._all_begun(registry()[name], plans, self._worth)
+    def _asked_again(self, answer: Asked) -> list[Ranked]:
+        """Return the forms of an effect that promise nothing, begun all the same."""
+        plans = [(form, self._starts(form, -np.inf)) for form in answer.left]
+        return self._all_begun(registry()[answer.name], plans, self._worth)
 
-    def _without_gain(self, form: Hypothesis) -> Ranked:
-        """Return a form that promises nothing as one that has won nothing."""
-        return self._ranked(form, self._at_parent(self._slots_with(form)))
+    def _without_gain(self, answer: Asked) -> list[Ranked]:
+        """Return the first of the forms that promise nothing, if any, as one that has won nothing."""
+        return [self._ranked(form, self._at_parent(self._slots_with(form))) for form in answer.left[:1]]
 
     def _kept(self, begun: Sequence[Ranked]) -> list[Ranked]:
         """Return the best form of an effect and the others that are worth more time."""
@@ -166,13 +184,18 @@ class Bank:
 
     def plans(self, effect: Effect, hope: float = -np.inf) -> Plans:
         """Return the forms of an effect with their starts; those that are far from winning `hope` have none."""
+        forms = self._forms(effect)
+        return [(form, self._starts(form, hope) if starts is None else starts) for form, starts in forms]
+
+    def _forms(self, effect: Effect) -> list[tuple[Hypothesis, list[Start] | None]]:
+        """Return the forms of an effect, with their starts where these need not be sought."""
         runs = len(self.engine.simulators)
         if effect.name in parameter_table().active_effects(self.parent.values[0]):
             start = Start(self.parent.values, 0.0)  # the parent has it: would other numbers be better?
             return [(hypothesis, [start]) for hypothesis in hypotheses_of(effect, runs)]
         if scan_of(effect) is not None:
-            return self._scanned(effect, self.scanner.candidates(effect))
-        return [(hypothesis, self._starts(hypothesis, hope)) for hypothesis in hypotheses_of(effect, runs)]
+            return [*scanned(self.prober, self.scanner, effect)]
+        return [(hypothesis, None) for hypothesis in hypotheses_of(effect, runs)]
 
     def _starts(self, hypothesis: Hypothesis, hope: float) -> list[Start]:
         """Return where to start a form; nowhere if no start wins `hope`, nor all they may change, to first order."""
@@ -193,49 +216,30 @@ class Bank:
         probes |= zip(rest, self.prober.probes(hypothesis, [choices[i] for i in rest]), strict=True)
         return self.prober.best_starts(hypothesis, choices, 1, [probes[i] for i in range(len(choices))])
 
-    def _scanned(self, effect: Effect, candidates: Sequence[Candidate]) -> Plans:
-        """Turn candidates of a scan into starts, with strengths tried by simulation."""
-        plans = []
-        best = max((c.promise for c in candidates), default=0.0)
-        wanted = max(WORTH_FITTING * best, min(best, FAINT))
-        for candidate in candidates:
-            if candidate.promise < wanted or self.scanner.hopeless(candidate.promise):
-                continue
-            given = {n.split(".")[1] for n in candidate.changes}
-            for closure in asked_for(effect, given):
-                names = closure.frees
-                strengths = {p.name for p in effect.parameters if p.strength}
-                if (given & strengths) - set(names):
-                    continue
-                if given & strengths and len(set(names) & strengths) > len(given & strengths):
-                    continue  # the larger form is tried only where the scan asked for it
-                hypothesis = Hypothesis(effect.name, names, candidate.run, candidate.elsewhere, closure.name)
-                if any(candidate.changes.get(n, value) != value for n, value in hypothesis.held.items()):
-                    continue  # the scan looked for another closure
-                choices = declared_starts(hypothesis, candidate.changes)
-                choices = [{**choice, **candidate.changes, **hypothesis.held} for choice in choices]
-                plans.append((hypothesis, self.prober.best_starts(hypothesis, choices, 1)))
-        return plans
-
     def fit(self, hypothesis: Hypothesis, start: Start) -> Ranked:
         """Fit one hypothesis from one start; the result is never worse than the parent."""
         return self._finished(self._begun(hypothesis, start))
 
     def best_of(self, effect: Effect) -> Ranked | None:
         """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
-        tried = self._fitted(self.plans(effect))
+        each_form = self.side_by_side(lambda plan: self._fitted([plan]), self._forms(effect))
+        tried = [ranked for found in each_form for ranked in found]
         return strongest([*tried, *map(self._finished, self._extended(effect, tried))])
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of its kind in another recording, once or several times; None where none is seen."""
         effect = registry()[event.effect]
         alike = alike_in(effect, event.closure)
-        plans = self._scanned(effect, self.scanner.candidates(effect))
+        plans = scanned(self.prober, self.scanner, effect)
         return strongest(self._fitted(p for p in plans if p[0].run == run and p[0].closure in alike))
 
-    def _fitted(self, plans: Iterable[tuple[Hypothesis, list[Start]]]) -> list[Ranked]:
-        """Return every form, fitted from each of its starts."""
-        return [self.fit(form, start) for form, starts in plans for start in starts]
+    def _fitted(self, plans: Iterable[tuple[Hypothesis, list[Start] | None]]) -> list[Ranked]:
+        """Return every form, fitted from each of its starts, which are sought where there are none yet."""
+        return [
+            self.fit(form, start)
+            for form, starts in plans
+            for start in (self._starts(form, -np.inf) if starts is None else starts)
+        ]
 
     def _begun(self, hypothesis: Hypothesis, start: Start, worth: float = 0.0) -> Ranked:
         """Fit one hypothesis at the parent's noise; what does not get near the gain `worth` is given up early."""
@@ -336,13 +340,3 @@ class Bank:
             parent.values, slots, parent.noise, parent.log_likelihood, parent.log_prior, covariance,
             parent.simulated, (parent.columns, nothing),
         )  # fmt: skip
-
-
-def parameters_of(ranked: Ranked) -> dict[str, FloatArray]:
-    """Return the fitted numbers of the effect by parameter name, one a recording, shape (R,)."""
-    table = parameter_table()
-    effect = registry()[ranked.name]
-    return {p.name: ranked.fit.values[:, table.place(f"{ranked.name}.{p.name}")] for p in effect.parameters}
-
-
-__all__ = ["ALL_RUNS", "Bank", "Ranked", "evidence_of", "parameters_of"]

@@ -15,8 +15,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsm_calib.diagnosis.fitting.fit import Engine, Fit, with_slots
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.newton import log_prior
+from fsm_calib.diagnosis.fitting.slot import with_slots
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
 

@@ -49,6 +49,7 @@ from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import place_centres
 from fsm_calib.diagnosis.shapes.score_tests import NO_POWER, Residual
 from fsm_calib.types import FloatArray
+from fsm_calib.workers import each
 from fsm_calib.world2d.effects import Effect
 
 PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
@@ -86,6 +87,14 @@ class Scanner:
         if effect.name not in self._found:
             self._found[effect.name] = scan(self, effect)
         return self._found[effect.name]
+
+    def look_for(self, effects: Sequence[Effect]) -> None:
+        """Look for several effects at once, each in a process of its own, and remember what is found."""
+        new = [e for e in effects if scan_of(e) is not None and e.name not in self._found]
+        processes = self.residual.engine.processes
+        if len(new) > 1 and processes > 1:
+            self.passages  # noqa: B018  # made once, for all of them
+            self._found.update(zip([e.name for e in new], each(self.candidates, new, processes), strict=True))
 
     def hopeless(self, promise: float) -> bool:
         """Return whether a candidate promises too little even if it still grows."""

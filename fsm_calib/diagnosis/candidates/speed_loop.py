@@ -21,7 +21,7 @@ from fsm_calib.diagnosis.candidates.free_number import (
     unless_stood_in,
     with_free,
 )
-from fsm_calib.diagnosis.candidates.ranking import evidence_of
+from fsm_calib.diagnosis.candidates.ranked import evidence_of
 from fsm_calib.diagnosis.fitting.base import settled, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import Slot

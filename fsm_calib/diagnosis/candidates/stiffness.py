@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import SURE, found_free, unless_stood_in, with_free, with_held
-from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.world2d.effects import Effect

@@ -21,7 +21,8 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     hypotheses_of,
     is_event,
 )
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.starts import Prober
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
 from fsm_calib.diagnosis.design.floor_here import floor_instead

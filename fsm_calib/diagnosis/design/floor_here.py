@@ -20,7 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.scan_areas import Area
 from fsm_calib.diagnosis.candidates.starts import Start
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit

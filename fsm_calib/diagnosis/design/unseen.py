@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import declared_starts, has_phase, hypotheses_of, scaled
-from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.starts import Probe, Prober
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.types import FloatArray

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.diagnosis.fitting.newton import clipped, damped_step, log_prior, normal_equations, promised
-from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot, slot_numbers, with_slots
 from fsm_calib.diagnosis.likelihood.noise import JITTER, Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener, fit_noise, log_density
 from fsm_calib.diagnosis.replay.simulator import Simulator
@@ -63,6 +63,21 @@ class Fit:
         )
 
     @property
+    def parts(self) -> tuple[object, ...]:
+        """The large parts that fits on top of this one hold, too (`workers.each`)."""
+        arrays = [*self.simulated, *(block for part in self.jacobians for block in part)]
+        return (
+            self,
+            self.values,
+            self.noise,
+            self.simulated,
+            *self.jacobians,
+            self.columns,
+            *self.columns,
+            *arrays,
+        )
+
+    @property
     def score(self) -> float:
         """Log-likelihood plus log-prior: what the fit maximises."""
         return self.log_likelihood + self.log_prior
@@ -90,19 +105,6 @@ class Fit:
         """Return the recordings in which an effect has numbers of their own."""
         owner = parameter_table().owner
         return tuple(sorted({s.run for s in self.slots if s.run != ALL_RUNS and owner[s.place] == effect}))
-
-
-def slot_numbers(values: FloatArray, slots: Sequence[Slot]) -> FloatArray:
-    """Return what stands in the slots of `values` (R, p), shape (m,)."""
-    return np.array([values[max(slot.run, 0), slot.place] for slot in slots])
-
-
-def with_slots(values: FloatArray, slots: Sequence[Slot], numbers: FloatArray) -> FloatArray:
-    """Return a copy of `values` (R, p) with `numbers` (m,) in the slots."""
-    changed = values.copy()
-    for slot, number in zip(slots, numbers, strict=True):
-        changed[slice(None) if slot.run == ALL_RUNS else slot.run, slot.place] = number
-    return changed
 
 
 def simulate_all(simulators: Sequence[Simulator], values: FloatArray) -> tuple[FloatArray, ...]:
@@ -194,6 +196,11 @@ class Engine:
         return self.simulators[0].prepared.settings.degrees_of_freedom
 
     @property
+    def processes(self) -> int:
+        """How many processes may fit side by side."""
+        return self.simulators[0].prepared.settings.processes
+
+    @property
     def count(self) -> int:
         """The number of scored innovations N."""
         return sum(s.prepared.innovations for s in self.simulators)
@@ -232,12 +239,8 @@ class Engine:
         residuals = (white.residual(simulated) for simulated in simulator.increments(rows))
         return np.array([log_density(r, white.log_scale, self.nu).sum() for r in residuals])
 
-    def _white_known(
-        self, whiteners: Sequence[Whitener], known: Sequence[FloatArray] | None
-    ) -> FloatArray | None:
-        """Return whitened columns that a parent fit has computed; the last ones are remembered."""
-        if not known or not known[0].shape[2]:
-            return None
+    def white_known(self, whiteners: Sequence[Whitener], known: Sequence[FloatArray]) -> FloatArray:
+        """Return whitened columns (N, q) that a parent fit has computed; the last ones are remembered."""
         last = self._last_known
         if not last or last[0].raw is not known or last[0].whiteners is not whiteners:
             last[:] = [WhiteKnown(known, whiteners, self.white_columns(whiteners, known))]
@@ -273,7 +276,7 @@ class Engine:
         """
         slots, whiteners = tuple(slots), self.whiteners(noise)
         here = self._point(whiteners, values, slots, slot_numbers(values, slots))
-        fixed = self._white_known(whiteners, known)
+        fixed = self.white_known(whiteners, known) if known and known[0].shape[2] else None
         first = 0 if fixed is None else fixed.shape[1]
         normal = np.eye(len(slots))
         raw: tuple[FloatArray, ...] = ()

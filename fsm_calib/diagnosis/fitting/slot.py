@@ -1,8 +1,13 @@
-"""A slot: one number that a fit may move."""
+"""A slot: one number that a fit may move; and what stands in the slots of a fit."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
+
+from fsm_calib.types import FloatArray
 
 ALL_RUNS = -1
 
@@ -22,3 +27,16 @@ class Slot:
     run: int = ALL_RUNS
     centre: float = 0.0
     spread: float = 0.0
+
+
+def slot_numbers(values: FloatArray, slots: Sequence[Slot]) -> FloatArray:
+    """Return what stands in the slots of `values` (R, p), shape (m,)."""
+    return np.array([values[max(slot.run, 0), slot.place] for slot in slots])
+
+
+def with_slots(values: FloatArray, slots: Sequence[Slot], numbers: FloatArray) -> FloatArray:
+    """Return a copy of `values` (R, p) with `numbers` (m,) in the slots."""
+    changed = values.copy()
+    for slot, number in zip(slots, numbers, strict=True):
+        changed[slice(None) if slot.run == ALL_RUNS else slot.run, slot.place] = number
+    return changed

@@ -26,7 +26,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.ranking import evidence_of
+from fsm_calib.diagnosis.candidates.ranked import evidence_of
 from fsm_calib.diagnosis.candidates.scan_markers import jump_evidence
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.likelihood.robust import robust_weights

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry

@@ -16,7 +16,8 @@ class Settings:
     Student's t of the whitened innovations. horizon [s]: of the errors that are reported (design contract).
     simulation_step [s]: the roll-out's step in a fit (at 0.01 s the log-likelihood
     differs by 0.1 from 0.002 s, measured on three robots). own_map: poses come from a map that their own frames told,
-    so that a jump at a place is the map's and no marker's that was moved.
+    so that a jump at a place is the map's and no marker's that was moved. processes: so many fit side by side; no
+    result depends on it.
     """
 
     longest_gap: float = 1.5
@@ -28,6 +29,7 @@ class Settings:
     horizon: float = 2.0
     simulation_step: float = 0.01
     own_map: bool = False
+    processes: int = 1
 
 
 DEFAULT_SETTINGS = Settings()

@@ -83,7 +83,7 @@ def residual_of(engine: Engine, fit: Fit) -> Residual:
     whiteners = engine.whiteners(fit.noise)
     white = engine.residual(whiteners, fit.simulated)
     psi = white * robust_weights(white, engine.nu)
-    columns = engine.white_columns(whiteners, fit.columns)
+    columns = engine.white_known(whiteners, fit.columns)
     basis, _ = np.linalg.qr(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300))
     return Residual(white, psi / max(float(psi.std()), 1e-12), basis, tuple(whiteners), engine)
 

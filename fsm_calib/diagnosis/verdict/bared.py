@@ -12,7 +12,8 @@ from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.candidates.late_sight import LAG, with_late_sight
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.speed_loop import HOLD, with_bare_loop, with_speed_loop
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, with_stiffness
 from fsm_calib.diagnosis.candidates.supply_end import CEILING, with_supply_end

@@ -10,8 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.starts import Start
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
@@ -93,16 +95,19 @@ def _in_its_place(engine: Engine, selection: Selection, effect: Ranked, less: Fi
         (r for r in best.values() if r.evidence > (0.0 if r.name in nearest else worth)),
         key=lambda r: (r.name not in nearest, -r.evidence),
     )[:TRIED_AGAIN]
-    bank, tried = Bank.on(engine, less), []
-    beside = switched_off(selection.fit.values, [effect.name])
-    for rival in asked:
-        found = [bank.fit(rival.hypothesis, _start(beside, rival))]
-        if registry()[rival.name].scan:
-            found.append(bank.fit(rival.hypothesis, _start(less.values, rival)))
-        else:
-            found += [r for r in [bank.best_of(registry()[rival.name])] if r is not None]
-        tried.append(max(found, key=lambda r: r.fit.score))
+    bank, beside = Bank.on(engine, less), switched_off(selection.fit.values, [effect.name])
+    tried = bank.side_by_side(partial(_tried, bank, beside), asked)
     return [r for r in tried if r.evidence > 0.0]
+
+
+def _tried(bank: Bank, beside: FloatArray, rival: Ranked) -> Ranked:
+    """Return a rival as it fits best: with all others as they are beside the effect, and from scratch."""
+    found = [bank.fit(rival.hypothesis, _start(beside, rival))]
+    if registry()[rival.name].scan:
+        found.append(bank.fit(rival.hypothesis, _start(bank.parent.values, rival)))
+    else:
+        found += [r for r in [bank.best_of(registry()[rival.name])] if r is not None]
+    return max(found, key=lambda r: r.fit.score)
 
 
 def _start(values: FloatArray, rival: Ranked) -> Start:

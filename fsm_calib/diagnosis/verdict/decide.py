@@ -12,7 +12,8 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.place_search import placed
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.gap import TOLD_APART

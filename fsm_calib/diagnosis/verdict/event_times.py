@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit, simulate_all
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry

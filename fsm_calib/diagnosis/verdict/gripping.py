@@ -11,7 +11,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import found_free, with_held
-from fsm_calib.diagnosis.candidates.ranking import Bank, evidence_of, strongest
+from fsm_calib.diagnosis.candidates.ranked import evidence_of, strongest
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.world2d.parameters import parameter_table

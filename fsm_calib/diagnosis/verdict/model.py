@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.form_test import Contest, Remainder, contest
 from fsm_calib.diagnosis.proof.gates import Adequacy, adequacy

@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.proof.gap import TOLD_APART
 from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.verdict.support import SLIGHT, Support

@@ -11,7 +11,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.jitter import is_clear, without_jitter
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, slots_of
 from fsm_calib.diagnosis.candidates.polish import polished
-from fsm_calib.diagnosis.candidates.ranking import FIRST_STEPS, Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranking import FIRST_STEPS
 from fsm_calib.diagnosis.fitting.base import noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.fitting.values import with_values

@@ -15,13 +15,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.from_the_leader import sought_again
 from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.polish import polished
-from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
@@ -32,6 +34,7 @@ from fsm_calib.diagnosis.verdict.every_recording import in_every_recording
 from fsm_calib.diagnosis.verdict.spared import spared
 from fsm_calib.diagnosis.verdict.swapped import swapped
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
+from fsm_calib.workers import each
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -260,7 +263,12 @@ class Selector:
         evidence then, and the whole fit stands in `dropped` for it.
         """
         while True:
-            missed = [self._missed(effects, fit, effect, sure_from) for effect in effects]
+            missed = each(
+                partial(self._missed, effects, fit, sure_from),
+                effects,
+                self.engine.processes,
+                (*fit.parts, *self.base.parts),
+            )
             least = int(np.argmin([evidence for evidence, _ in missed]))
             if len(effects) == 1 or missed[least][0] >= wanted:
                 break
@@ -273,7 +281,7 @@ class Selector:
         return Selection(ranked, fit, rankings, tuple(missed[i][1] for i in order))
 
     def _missed(
-        self, effects: Sequence[Ranked], fit: Fit, effect: Ranked, sure_from: float
+        self, effects: Sequence[Ranked], fit: Fit, sure_from: float, effect: Ranked
     ) -> tuple[float, Fit]:
         """Return what an effect adds to the others, and the fit without it."""
         own = wald(fit, strengths_of(fit, effect.name)) if sure_from < np.inf else 0.0

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from fsm_calib.diagnosis.candidates.ranking import FIRST_STEPS, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import FIRST_STEPS
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.verdict.model import Model

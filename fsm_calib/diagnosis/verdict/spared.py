@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.verdict.swapped import Fitting, has_closures
 from fsm_calib.world2d.effects import registry

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
-from fsm_calib.diagnosis.candidates.ranking import Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.proof.form_test import Contest
 from fsm_calib.diagnosis.proof.gap import Gap

@@ -12,7 +12,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Protocol
 
-from fsm_calib.diagnosis.candidates.ranking import Bank, Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table

@@ -16,13 +16,14 @@ from fsm_calib.diagnosis.design.designer import NoDrive, Wishes, design, foretol
 from fsm_calib.diagnosis.design.plan import Plan
 from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.diagnosis.replay.prepared import is_usable
-from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS
+from fsm_calib.diagnosis.replay.settings import Settings
 from fsm_calib.errors import DataError
 from fsm_calib.outcome import Outcome
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording, RobotFacts
 from fsm_calib.runner.investigation.own_camera import camera_found, corrected, not_of_a_camera
 from fsm_calib.types import Pose2
+from fsm_calib.workers import usable_cores
 from fsm_calib.world2d.scene import SceneSpec
 
 DESIGN_STREAM = 13
@@ -194,7 +195,7 @@ class Mind:
             self.diagnosis = diagnose(
                 recordings[:number],
                 without=self._not_asked,
-                settings=replace(DEFAULT_SETTINGS, own_map=self._maps),
+                settings=Settings(own_map=self._maps, processes=usable_cores()),
                 seed=self.seed,
                 earlier=self.diagnosis,
             )

@@ -1,0 +1,40 @@
+"""The candidates of a scan become starts of fits: a place or a moment, with the strength that the data ask for."""
+
+from __future__ import annotations
+
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, asked_for, declared_starts
+from fsm_calib.diagnosis.candidates.scan import Scanner
+from fsm_calib.diagnosis.candidates.starts import Prober, Start
+from fsm_calib.world2d.effects import Effect
+
+WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
+FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted; a name needs more
+
+Plans = list[tuple[Hypothesis, list[Start]]]
+"""Forms with where each starts."""
+
+
+def scanned(prober: Prober, scanner: Scanner, effect: Effect) -> Plans:
+    """Turn what a scan finds of an effect into starts, with strengths tried by simulation."""
+    candidates = scanner.candidates(effect)
+    plans = []
+    best = max((c.promise for c in candidates), default=0.0)
+    wanted = max(WORTH_FITTING * best, min(best, FAINT))
+    for candidate in candidates:
+        if candidate.promise < wanted or scanner.hopeless(candidate.promise):
+            continue
+        given = {n.split(".")[1] for n in candidate.changes}
+        for closure in asked_for(effect, given):
+            names = closure.frees
+            strengths = {p.name for p in effect.parameters if p.strength}
+            if (given & strengths) - set(names):
+                continue
+            if given & strengths and len(set(names) & strengths) > len(given & strengths):
+                continue  # the larger form is tried only where the scan asked for it
+            hypothesis = Hypothesis(effect.name, names, candidate.run, candidate.elsewhere, closure.name)
+            if any(candidate.changes.get(n, value) != value for n, value in hypothesis.held.items()):
+                continue  # the scan looked for another closure
+            choices = declared_starts(hypothesis, candidate.changes)
+            choices = [{**choice, **candidate.changes, **hypothesis.held} for choice in choices]
+            plans.append((hypothesis, prober.best_starts(hypothesis, choices, 1)))
+    return plans
