@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import engine_of, judged, recording, selector_on
 
-from fsm_calib.diagnosis.candidates.speed_loop import HOLD, WEIGHT
+from fsm_calib.diagnosis.candidates.speed_loop import DROPS, HOLD, WEIGHT, loop_told
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.fitting.base import fit_base
@@ -60,6 +60,40 @@ def test_it_lets_go_where_the_robot_rests():
     speed = speeds([0.0, 2.0, 4.0], [0.5, 0.0, 0.5], grid, **options)
     assert np.abs(speed[360:400]).max() < 1e-6
     assert speed[400:500] == pytest.approx(speed[:100], abs=1e-3)
+
+
+def test_what_is_dropped_with_the_command_does_not_drive_the_wheel_back():
+    """Without an integral the wheel comes to rest as w = w_0 exp(-t / tau); one that is kept drives it back."""
+    grid = np.arange(0.0, 4.0, 0.01)
+    kept, dropped = (
+        speeds([0.0, 2.0], [0.5, 0.0], grid, speed_controller__hold=4.0, speed_controller__drops=drops)
+        for drops in (0.0, 1.0)
+    )
+    after = grid >= 2.0
+    assert dropped[after] == pytest.approx(dropped[200] * np.exp(-(grid[after] - 2.0) / LAG), abs=2e-3)
+    assert kept[after].min() < -0.02
+    assert np.array_equal(kept[~after], dropped[~after])
+
+
+@pytest.mark.parametrize("drops", [0.0, 1.0])
+def test_how_it_rests_is_found(drops):
+    robot = {"speed_controller__hold": 4.0, "speed_controller__drops": drops}
+    fit = based(*(recording(seed, **robot) for seed in (0, 1)))
+    assert np.all(fit.values[:, parameter_table().place(DROPS)] == drops)
+    assert any("drops" in said for said in loop_told(fit)) == bool(drops)
+
+
+@pytest.mark.parametrize("drops", [0.0, 1.0])
+def test_how_it_rests_is_found_beside_dry_friction(drops):
+    """Without the friction a kept integral seems likelier of both."""
+    robot = {
+        "speed_controller__hold": 4.0,
+        "speed_controller__drops": drops,
+        "coulomb_friction__friction": 0.01,
+    }
+    selector, _, ranking = ranked_if_bared(*ranked_on(robot, *RIVALS))
+    assert ranking[0].name == "coulomb_friction"
+    assert np.all(selector.base.values[:, parameter_table().place(DROPS)] == drops)
 
 
 def test_a_robot_that_has_one_is_given_one():

@@ -14,7 +14,12 @@ from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.candidates.late_sight import LAG, with_late_sight
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
-from fsm_calib.diagnosis.candidates.speed_loop import HOLD, with_bare_loop, with_speed_loop
+from fsm_calib.diagnosis.candidates.speed_loop import (
+    HOLD,
+    with_bare_loop,
+    with_likelier_rest,
+    with_speed_loop,
+)
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, with_stiffness
 from fsm_calib.diagnosis.candidates.supply_end import CEILING, with_supply_end
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -39,7 +44,24 @@ def ranked_if_bared(selector: Selector, bank: Bank, ranking: list[Ranked]) -> Fo
     found = selector, bank, ranking
     for name, freeing in NUMBERS:
         found = _ranked_with(*found, name, freeing)
-    return found
+    return _ranked_as_it_rests(*found)
+
+
+def _ranked_as_it_rests(selector: Selector, bank: Bank, ranking: list[Ranked]) -> Found:
+    """Return all on a base whose controller keeps or drops its integral at rest, as is likelier beside the first."""
+    if not found_free(selector.base, HOLD) or not ranking or ranking[0].evidence < selector.needed:
+        return selector, bank, ranking
+    leader = ranking[0]
+    rested = with_likelier_rest(selector.engine, leader.fit)
+    if rested is leader.fit:
+        return selector, bank, ranking
+    return _anew(selector, rested, leader)
+
+
+def _anew(selector: Selector, fit: Fit, leader: Ranked) -> Found:
+    """Return selector, bank and ranking on what a fit leaves without its first effect."""
+    bare = replace(selector, base=selector.without(fit, leader.name), distinct={})
+    return bare, *bare.first_ranked()
 
 
 def _ranked_with(selector: Selector, bank: Bank, ranking: list[Ranked], name: str, freeing: Freeing) -> Found:
@@ -51,5 +73,4 @@ def _ranked_with(selector: Selector, bank: Bank, ranking: list[Ranked], name: st
     freed = freeing(selector.engine, leader.fit, others)
     if not found_free(freed, name):
         return selector, bank, ranking
-    bare = replace(selector, base=selector.without(freed, leader.name), distinct={})
-    return bare, *bare.first_ranked()
+    return _anew(selector, freed, leader)

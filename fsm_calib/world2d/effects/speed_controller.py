@@ -9,7 +9,8 @@ acts at once. With a motor F = D_m (duty w_0 - w), w_0 its free speed, and a con
 i / (1 + p), weight = (c + p) / (1 + p): the stiffness goes into its time constants, the integral remains. It overshoots
 after each step of the set point, and no lasting load slows the wheels down: friction, slopes and drag show for a moment
 only. Where a wheel that is told to rest is slower than `STILL`, the integral dies away within the time let_go [s] (over
-1 - |w| / STILL, so that nothing jumps), as firmware lets its motors go so that nothing creeps (assumed). The supply
+1 - |w| / STILL, so that nothing jumps), as firmware lets its motors go so that nothing creeps (assumed); firmware that
+drops its integral as soon as it is told to rest, however fast the wheel still is, is the choice drops = 1. The supply
 ends at `ceiling` [1] of the no-load speed at full command (2: never), which cuts what a loop of the gain loop = p [1]
 adds to speed up (`world2d.supply`); there the integral grows no further (Astrom & Hagglund, Advanced PID Control, 2006,
 section 3.5). Below 1.05 set points may be out of reach, which is a finding (`command_saturation`). The integral's
@@ -63,7 +64,9 @@ def hold_speed(P, o, S, m, W):
     for side in range(2):
         way, wanted, rim = m + side, W[TARGET + side], S[RIM + side]
         rolled = W[RADIUS + side] * S[ANGLE + side]
-        if abs(wanted) < REST and abs(rim) < STILL:
+        if abs(wanted) < REST and P[o + 6] > 0.0:
+            S[way] = rolled
+        elif abs(wanted) < REST and abs(rim) < STILL:
             rate = (1.0 - abs(rim) / STILL) / P[o + 2]
             S[way] = rolled + (S[way] - rolled) * math.exp(-step * rate)
         W[TARGET + side] = P[o + 1] * wanted + hold * (S[way] - rolled + 0.5 * step * (wanted - rim))
@@ -112,6 +115,10 @@ EFFECT = Effect(
         Parameter(
             "lag", "t_f", "s", 0.0, 0.0, 0.3, 0.0, "ticks of 10 to 50 ms, smoothed", strength=False,
             starts=(0.012, 0.04), step=1e-3,
+        ),
+        Parameter(
+            "drops", "b", "1", 0.0, 0.0, 1.0, 0.0, "0: at a stand, 1: when told to rest (ROSArduinoBridge, resetPID)",
+            strength=False, fitted=False,
         ),
     ),
     hooks={"delay": wait, "begin": take_hold, "step": hold_speed},
