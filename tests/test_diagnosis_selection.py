@@ -47,7 +47,7 @@ def test_an_effect_that_is_left_of_two_is_weighed_against_the_base_robot(selecto
 
 def test_a_place_is_sought_again_before_other_effects_join_it(selector):
     beside = patch(selector, x=0.2, y=-0.02)
-    found = selector._polished(beside, selector.base)
+    (found,) = selector._polish([beside], selector.base)
     numbers = dict(zip(parameter_table().names, found.fit.values[0], strict=True))
     assert found.fit.score > beside.fit.score + 50.0
     assert np.hypot(numbers["rough_floor_patch.x"] - 0.12, numbers["rough_floor_patch.y"] - 0.05) < 0.03
@@ -57,7 +57,7 @@ def test_a_place_that_is_nowhere_crossed_is_not_taken_for_it(selector, monkeypat
     spot = patch(selector)
     far = replace(spot.fit, values=with_values(spot.fit.values, {"rough_floor_patch.x": 30.0}))
     monkeypatch.setattr(selection, "placed", lambda engine, fit, effects, rng: far)
-    found = selector._polished(spot, selector.base)
+    (found,) = selector._polish([spot], selector.base)
     assert fitted_number(found.fit, "rough_floor_patch.x") == pytest.approx(0.12, abs=0.1)
 
 

@@ -36,8 +36,8 @@ def sought_again(
     ]
     values = switched_off(leader.fit.values, [leader.name])
     bare = engine.fit(values, base.slots, leader.fit.noise, steps=0)
-    for found in Bank.on(engine, bare).rank(asked):
-        told = polished(engine, found, base, noise_names(engine.simulators))
-        if found.name not in had or told.evidence > had[found.name].evidence:
-            had[found.name] = told
+    bank, names = Bank.on(engine, bare), noise_names(engine.simulators)
+    for told in bank.side_by_side(lambda found: polished(engine, found, base, names), bank.rank(asked)):
+        if told.name not in had or told.evidence > had[told.name].evidence:
+            had[told.name] = told
     return sorted(had.values(), key=lambda r: -r.evidence)

@@ -326,17 +326,18 @@ class Selector:
         """Fit the leaders with fresh Jacobians, places where they are likeliest; sort again."""
         if not ranking:
             return ranking
-        limit = POLISH_SHARE * ranking[0].evidence
-        leaders = [self._polished(r, parent) for r in ranking[:POLISHED] if r.evidence >= max(limit, 0.0)]
+        limit, engine = POLISH_SHARE * ranking[0].evidence, self.engine
+        near = [self._where_likeliest(r) for r in ranking[:POLISHED] if r.evidence >= max(limit, 0.0)]
+        names = noise_names(engine.simulators)
+        leaders = each(
+            lambda ranked: polished(engine, ranked, parent, names), near, engine.processes, parent.parts
+        )
         return sorted(leaders + ranking[len(leaders) :], key=lambda r: -r.evidence)
 
-    def _polished(self, ranked: Ranked, parent: Fit) -> Ranked:
-        """Return a leader with fresh Jacobians, a place where it is likeliest and still one that is crossed.
+    def _where_likeliest(self, ranked: Ranked) -> Ranked:
+        """Return a leader with its place, if it has one, where it is likeliest and still one that is crossed.
 
         What a place leaves beside its spot would be taken for further effects, a push more often than not.
         """
-        names = noise_names(self.engine.simulators)
         sought = replace(ranked, fit=placed(self.engine, ranked.fit, [ranked], self.rng))
-        return polished(
-            self.engine, sought if is_crossed(sought, self.engine.simulators) else ranked, parent, names
-        )
+        return sought if is_crossed(sought, self.engine.simulators) else ranked
