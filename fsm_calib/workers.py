@@ -18,6 +18,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar, cast
 
@@ -75,12 +76,11 @@ def _side_by_side(
     processes = []
     for _ in range(count):
         reader, writer = context.Pipe(duplex=False)
-        process = context.Process(
-            target=_work_through, args=(work, things, begun, writer, shared), daemon=True
-        )
+        readers.append(reader)
+        work_through = partial(_work_through, work, things, begun, writer, shared)
+        process = context.Process(target=_deaf_to, args=(readers, work_through), daemon=True)
         process.start()
         writer.close()
-        readers.append(reader)
         processes.append(process)
     found: dict[int, Result] = {}
     try:
@@ -104,6 +104,13 @@ def _collect(readers: list[Connection], shared: Sequence[object], found: dict[in
                 one.close()
             else:
                 found[place] = result
+
+
+def _deaf_to(readers: Sequence[Connection], work_through: Callable[[], None]) -> None:
+    """Work with the other ends of all pipes closed: who writes to a process that died is told so, and ends."""
+    for reader in readers:
+        reader.close()
+    work_through()
 
 
 def _work_through(

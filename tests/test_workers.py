@@ -1,8 +1,10 @@
 """Work side by side: the results of one process, whatever happens to the others."""
 
 import os
+import select
 import signal
 import threading
+from functools import partial
 
 import numpy as np
 import pytest
@@ -23,11 +25,19 @@ ASKED = {
     "caster_drag",
 }
 HERE = os.getpid()
+LONGEST = 20.0  # s that a process may take to see that its parent is gone
 
 
 def elsewhere(thing):
     """Return the thing, its double, and whether another process worked on it."""
     return thing, 2 * thing, os.getpid() != HERE
+
+
+def _large_result(parent, tells_end, thing):
+    """Tell of the first thing, have the parent killed, and return more than a pipe holds."""
+    os.write(tells_end, b"1")
+    os.kill(parent, signal.SIGKILL)
+    return np.zeros(10**6)
 
 
 @pytest.fixture
@@ -71,6 +81,24 @@ def test_what_a_process_that_was_killed_left_undone_is_done_here():
         return thing
 
     assert each(die, range(6), 2) == list(range(6))
+
+
+def test_processes_whose_parent_was_killed_end_by_themselves():
+    """A result larger than a pipe holds is never read: whoever writes it must be told so."""
+    begun_here, tells_end = os.pipe()
+    parent = os.fork()
+    if not parent:
+        os.close(begun_here)
+        work = partial(_large_result, os.getpid(), tells_end)
+        each(work, range(4), 2)
+        os._exit(0)
+    os.close(tells_end)
+    os.waitpid(parent, 0)
+    is_told = True
+    while is_told and select.select([begun_here], [], [], LONGEST)[0]:
+        is_told = bool(os.read(begun_here, 100))  # nothing: nobody holds the other end any more
+    os.close(begun_here)
+    assert not is_told
 
 
 def test_a_result_that_cannot_travel_is_worked_out_here():
