@@ -20,6 +20,7 @@ import threading
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from multiprocessing.connection import Connection, wait
+from multiprocessing.context import ForkProcess
 from typing import Any, TypeVar, cast
 
 from fsm_calib.stops import STOP_SIGNALS
@@ -28,6 +29,7 @@ Thing = TypeVar("Thing")
 Result = TypeVar("Result")
 
 MOST = 16  # processes: beyond, one waits for the largest of the things
+WIDTH, MOST_THINGS = 4, 10_000  # bytes of a place in a pipe, and places that one holds
 
 
 def usable_cores() -> int:
@@ -53,7 +55,8 @@ def each(
     """
     things = list(things)
     count = min(processes, len(things))
-    found = _side_by_side(work, things, count, shared) if count > 1 and _can_fork() else {}
+    many = count > 1 and len(things) <= MOST_THINGS and _can_fork()
+    found = _side_by_side(work, things, count, shared) if many else {}
     return [found[i] if i in found else work(thing) for i, thing in enumerate(things)]
 
 
@@ -70,36 +73,55 @@ def _side_by_side(
     work: Callable[[Thing], Result], things: Sequence[Thing], count: int, shared: Sequence[object]
 ) -> dict[int, Result]:
     """Return the results that `count` processes have worked out, by the place of the thing."""
-    context = multiprocessing.get_context("fork")
-    begun = context.Value("i", 0)
+    places = _pipe_of_places(len(things))
     readers: list[Connection] = []
-    processes = []
-    for _ in range(count):
-        reader, writer = context.Pipe(duplex=False)
-        readers.append(reader)
-        work_through = partial(_work_through, work, things, begun, writer, shared)
-        process = context.Process(target=_deaf_to, args=(readers, work_through), daemon=True)
-        process.start()
-        writer.close()
-        processes.append(process)
+    processes: list[ForkProcess] = []
     found: dict[int, Result] = {}
     try:
+        for _ in range(count):
+            processes.append(_begun(partial(_work_through, work, things, places, shared), readers))
         _collect(readers, shared, found)
+    except OSError:  # no more processes may be begun here
+        pass
     finally:
+        os.close(places)
         for process in processes:
             process.terminate()
             process.join()
+        for reader in readers:
+            reader.close()
     return found
 
 
+def _pipe_of_places(count: int) -> int:
+    """Return a pipe from which each read of `WIDTH` bytes takes one place that nobody else takes, until it is empty."""
+    places, end = os.pipe()
+    os.write(end, b"".join(place.to_bytes(WIDTH, "little") for place in range(count)))
+    os.close(end)
+    return places
+
+
+def _begun(work_through: Callable[[Connection], None], readers: list[Connection]) -> ForkProcess:
+    """Begin a process that writes to a pipe, whose other end is added to `readers`."""
+    context = multiprocessing.get_context("fork")
+    reader, writer = context.Pipe(duplex=False)
+    readers.append(reader)
+    process = context.Process(target=_deaf_to, args=(readers, partial(work_through, writer)), daemon=True)
+    try:
+        process.start()
+    finally:
+        writer.close()
+    return process
+
+
 def _collect(readers: list[Connection], shared: Sequence[object], found: dict[int, Any]) -> None:
-    """Read results until every process has closed its end."""
+    """Read results until every process has closed its end, or has died."""
     while readers:
         for reader in wait(readers):
             one = cast(Connection, reader)
             try:
                 place, result = _Reader(io.BytesIO(one.recv_bytes()), shared).load()
-            except EOFError:
+            except (EOFError, OSError):
                 readers.remove(one)
                 one.close()
             else:
@@ -116,20 +138,17 @@ def _deaf_to(readers: Sequence[Connection], work_through: Callable[[], None]) ->
 def _work_through(
     work: Callable[[Thing], Result],
     things: Sequence[Thing],
-    begun: Any,
-    writer: Connection,
+    places: int,
     shared: Sequence[object],
+    writer: Connection,
 ) -> None:
     """Work on the next thing until none is left; run in a process of its own."""
     for number in STOP_SIGNALS:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, signal.SIG_DFL)  # what stops the program ends these at once
     gc.freeze()  # what came with the fork stays shared: nobody looks through it for garbage
-    while True:
-        with begun.get_lock():
-            place, begun.value = begun.value, begun.value + 1
-        if place >= len(things):
-            return
+    while taken := os.read(places, WIDTH):
+        place = int.from_bytes(taken, "little")
         try:
             text = _written((place, work(things[place])), shared)
         except Exception:  # raised again where the work is done once more

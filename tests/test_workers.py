@@ -83,6 +83,20 @@ def test_what_a_process_that_was_killed_left_undone_is_done_here():
     assert each(die, range(6), 2) == list(range(6))
 
 
+def test_where_no_process_may_be_begun_all_is_done_here(monkeypatch):
+    def refused(process):
+        raise BlockingIOError("Resource temporarily unavailable")
+
+    monkeypatch.setattr("multiprocessing.process.BaseProcess.start", refused)
+    assert each(elsewhere, range(3), 2) == [(i, 2 * i, False) for i in range(3)]
+
+
+def test_no_pipe_is_left_open():
+    before = len(os.listdir("/proc/self/fd"))
+    each(elsewhere, range(5), 3)
+    assert len(os.listdir("/proc/self/fd")) == before
+
+
 def test_processes_whose_parent_was_killed_end_by_themselves():
     """A result larger than a pipe holds is never read: whoever writes it must be told so."""
     begun_here, tells_end = os.pipe()
