@@ -82,7 +82,7 @@ def diagnose(drives: list[Path], verdict: Path) -> tuple[int, float]:
     entry = "from fsm_calib.cli import main; main()"
     places = [str(place) for place in drives]
     process = subprocess.Popen(
-        [sys.executable, "-c", entry, "diagnose", *places, "--json", str(verdict)],
+        [sys.executable, "-c", entry, "diagnose", "--jobs=1", *places, "--json", str(verdict)],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )

@@ -46,6 +46,7 @@ def diagnose(folder: Path, out: Path, without: tuple[str, ...] = ()) -> str:
     part.unlink(missing_ok=True)
     arguments = [
         "diagnose",
+        "--jobs=1",  # seconds are those of one core
         str(folder / "run-a"),
         str(folder / "run-b"),
         "--holdout",

@@ -32,6 +32,7 @@ def diagnose(robot: Path, answer: Path, extra: list[str], limit: float) -> dict[
         "-c",
         ENTRY,
         "diagnose",
+        "--jobs=1",  # robots run side by side, each on a core of its own
         *runs,
         "--holdout",
         str(robot / "run-h"),
