@@ -101,12 +101,14 @@ def _pipe_of_places(count: int) -> int:
     return places
 
 
-def _begun(work_through: Callable[[Connection], None], readers: list[Connection]) -> ForkProcess:
+def _begun(
+    work_through: Callable[[Sequence[Connection], Connection], None], readers: list[Connection]
+) -> ForkProcess:
     """Begin a process that writes to a pipe, whose other end is added to `readers`."""
     context = multiprocessing.get_context("fork")
     reader, writer = context.Pipe(duplex=False)
     readers.append(reader)
-    process = context.Process(target=_deaf_to, args=(readers, partial(work_through, writer)), daemon=True)
+    process = context.Process(target=work_through, args=(readers, writer), daemon=True)
     try:
         process.start()
     finally:
@@ -128,21 +130,17 @@ def _collect(readers: list[Connection], shared: Sequence[object], found: dict[in
                 found[place] = result
 
 
-def _deaf_to(readers: Sequence[Connection], work_through: Callable[[], None]) -> None:
-    """Work with the other ends of all pipes closed: who writes to a process that died is told so, and ends."""
-    for reader in readers:
-        reader.close()
-    work_through()
-
-
 def _work_through(
     work: Callable[[Thing], Result],
     things: Sequence[Thing],
     places: int,
     shared: Sequence[object],
+    readers: Sequence[Connection],
     writer: Connection,
 ) -> None:
     """Work on the next thing until none is left; run in a process of its own."""
+    for reader in readers:
+        reader.close()  # who writes to a process that died is told so only where nobody else could read
     for number in STOP_SIGNALS:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, signal.SIG_DFL)  # what stops the program ends these at once

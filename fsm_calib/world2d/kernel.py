@@ -23,7 +23,7 @@ from typing import Any
 import numba
 
 from fsm_calib.world2d import arithmetic, dynamics, forces, loop, plain, slots, tyres
-from fsm_calib.world2d.effects import Effect, per_catalogue, registry
+from fsm_calib.world2d.effects import Effect, hooked, per_catalogue, registry
 from fsm_calib.world2d.effects.code import constants_of, files_of, texts_of
 from fsm_calib.world2d.effects.vocabulary import COMPILED_HOOKS
 from fsm_calib.world2d.parameters import parameter_table
@@ -67,10 +67,9 @@ def flag_places() -> dict[str, int]:
     return {name: i for i, name in enumerate(registry())}
 
 
-def _hooked(stage: str, bare: bool) -> list[Effect]:
+def _hooked(stage: str, bare: bool) -> tuple[Effect, ...]:
     """Return the effects that have a hook for the stage, in the order in which they act; none of a bare robot."""
-    effects = [] if bare else [e for e in registry().values() if stage in e.hooks]
-    return sorted(effects, key=lambda e: (e.order, e.name))
+    return () if bare else hooked(stage)
 
 
 def _calls(stage: str, bare: bool, template: str, indent: str = "    ") -> str:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsm_calib.types import FloatArray, Pose2
-from fsm_calib.world2d.effects import Effect, per_catalogue, registry
+from fsm_calib.world2d.effects import Effect, hooked
+from fsm_calib.world2d.kernel import flag_places
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import FIT_STEP, Drive, active_flags, simulate
 
@@ -20,16 +21,12 @@ from fsm_calib.world2d.rollout import FIT_STEP, Drive, active_flags, simulate
 def _active(parameters: FloatArray, stage: str) -> list[tuple[Effect, FloatArray]]:
     """Return the active effects with a hook for the stage, in their order, with their parameters."""
     on = active_flags(parameters)
-    return [(effect, parameters[part]) for effect, flag, part in _hooked(stage) if on[flag]]
-
-
-@per_catalogue
-def _hooked(stage: str) -> list[tuple[Effect, int, slice]]:
-    """Return the effects with a hook for the stage, in their order, each with the places of flag and parameters."""
-    flags = {name: place for place, name in enumerate(registry())}
-    found = sorted((e for e in registry().values() if stage in e.hooks), key=lambda e: (e.order, e.name))
-    first = parameter_table().first
-    return [(e, flags[e.name], slice(first[e.name], first[e.name] + len(e.parameters))) for e in found]
+    first, flags = parameter_table().first, flag_places()
+    return [
+        (e, parameters[first[e.name] : first[e.name] + len(e.parameters)])
+        for e in hooked(stage)
+        if on[flags[e.name]]
+    ]
 
 
 def robot_time(parameters: FloatArray, stamps: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fsm_calib.errors import InputError
 from fsm_calib.types import FloatArray, read_only
 from fsm_calib.world2d.effects import per_catalogue, registry
-from fsm_calib.world2d.kernel import kernel, memory_places
+from fsm_calib.world2d.kernel import flag_places, kernel, memory_places
 from fsm_calib.world2d.loop import OUTPUTS
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.path import Path
@@ -78,7 +78,7 @@ class Drive:
 def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return places and null values of all parameters that switch an effect on, and whose each is, (s, effects)."""
     table = parameter_table()
-    flag = {name: i for i, name in enumerate(registry())}
+    flag = flag_places()
     rows = [
         (i, e.null, flag[o])
         for i, (e, o) in enumerate(zip(table.entries, table.owner, strict=True))

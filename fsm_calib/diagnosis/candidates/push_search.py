@@ -24,10 +24,10 @@ from fsm_calib.diagnosis.candidates.pushed import (
     together,
 )
 from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, Pushes, pushes
+from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.score_tests import Residual
-from fsm_calib.workers import each
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.numbered import starts_in
 from fsm_calib.world2d.scale import Scale
@@ -82,12 +82,12 @@ class PushSearch:
     @cached_property
     def _kicks(self) -> list[Pushed]:
         """The kicks that a simulation finds about the moments that stand out most."""
-        return each(Moment.kick, self._moments(self._seen[:1]), self.residual.engine.processes)
+        return side_by_side(self.residual.engine, Moment.kick, self._moments(self._seen[:1]))
 
     @cached_property
     def _held(self) -> list[Pushed]:
         """The pushes that last, found in the same way, also where a kick stands out: it may be how one began."""
-        return each(Moment.held, self._moments(self._seen), self.residual.engine.processes)
+        return side_by_side(self.residual.engine, Moment.held, self._moments(self._seen))
 
     def _moments(self, seen: Sequence[Sequence[Pushes]]) -> Iterator[Moment]:
         """Yield the moments that promise most, of some lengths and apart in time, where one may be worth a push.

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 
@@ -25,12 +24,12 @@ from fsm_calib.diagnosis.candidates.scanned import Plans, scanned
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
+from fsm_calib.diagnosis.fitting.side_by_side import Result, Thing, side_by_side
 from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.replay.simulator import scale_of
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.score_tests import residual_of
-from fsm_calib.workers import each
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -43,8 +42,6 @@ NESTING_SLACK = 1e-6
 
 AHEAD = 4  # effects a process that are asked at a time
 
-Thing = TypeVar("Thing")
-Result = TypeVar("Result")
 Progress = Callable[[str], None]
 Distinct = dict[Hypothesis, list[int]]
 
@@ -154,7 +151,7 @@ class Bank:
 
     def side_by_side(self, work: Callable[[Thing], Result], things: Iterable[Thing]) -> list[Result]:
         """Return what comes of every thing; results hold the parent's large parts, not copies."""
-        return each(work, things, self.engine.processes, self.parent.parts)
+        return side_by_side(self.engine, work, things, self.parent)
 
     def _all_begun(self, effect: Effect, plans: Plans, hope: float) -> list[Ranked]:
         """Return the forms of an effect begun from their starts, and the closures that extend those which win."""

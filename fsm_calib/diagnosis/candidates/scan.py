@@ -42,6 +42,7 @@ from fsm_calib.diagnosis.candidates.scan_pushes import STEP
 from fsm_calib.diagnosis.candidates.scan_slides import Slides
 from fsm_calib.diagnosis.candidates.scan_tried import tried_out
 from fsm_calib.diagnosis.fitting.fit import Fit
+from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.replay.passage import Passages, passages_of
 from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.diagnosis.replay.simulator import Simulator, scale_of
@@ -49,7 +50,6 @@ from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.features import place_centres
 from fsm_calib.diagnosis.shapes.score_tests import NO_POWER, Residual
 from fsm_calib.types import FloatArray
-from fsm_calib.workers import each
 from fsm_calib.world2d.effects import Effect
 
 PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
@@ -91,10 +91,12 @@ class Scanner:
     def look_for(self, effects: Sequence[Effect]) -> None:
         """Look for several effects at once, each in a process of its own, and remember what is found."""
         new = [e for e in effects if scan_of(e) is not None and e.name not in self._found]
-        processes = self.residual.engine.processes
-        if len(new) > 1 and processes > 1:
+        engine = self.residual.engine
+        if len(new) > 1 and engine.processes > 1:
             self.passages  # noqa: B018  # made once, for all of them
-            self._found.update(zip([e.name for e in new], each(self.candidates, new, processes), strict=True))
+            self._found.update(
+                zip([e.name for e in new], side_by_side(engine, self.candidates, new), strict=True)
+            )
 
     def hopeless(self, promise: float) -> bool:
         """Return whether a candidate promises too little even if it still grows."""

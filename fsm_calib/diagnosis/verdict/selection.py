@@ -26,6 +26,7 @@ from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.fitting.wald import strengths_of, wald
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
@@ -34,7 +35,6 @@ from fsm_calib.diagnosis.verdict.every_recording import in_every_recording
 from fsm_calib.diagnosis.verdict.spared import spared
 from fsm_calib.diagnosis.verdict.swapped import swapped
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
-from fsm_calib.workers import each
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -263,12 +263,8 @@ class Selector:
         evidence then, and the whole fit stands in `dropped` for it.
         """
         while True:
-            missed = each(
-                partial(self._missed, effects, fit, sure_from),
-                effects,
-                self.engine.processes,
-                (*fit.parts, *self.base.parts),
-            )
+            missing = partial(self._missed, effects, fit, sure_from)
+            missed = side_by_side(self.engine, missing, effects, fit, self.base)
             least = int(np.argmin([evidence for evidence, _ in missed]))
             if len(effects) == 1 or missed[least][0] >= wanted:
                 break
@@ -329,9 +325,7 @@ class Selector:
         limit, engine = POLISH_SHARE * ranking[0].evidence, self.engine
         near = [self._where_likeliest(r) for r in ranking[:POLISHED] if r.evidence >= max(limit, 0.0)]
         names = noise_names(engine.simulators)
-        leaders = each(
-            lambda ranked: polished(engine, ranked, parent, names), near, engine.processes, parent.parts
-        )
+        leaders = side_by_side(engine, lambda ranked: polished(engine, ranked, parent, names), near, parent)
         return sorted(leaders + ranking[len(leaders) :], key=lambda r: -r.evidence)
 
     def _where_likeliest(self, ranked: Ranked) -> Ranked:

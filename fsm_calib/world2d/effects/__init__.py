@@ -18,7 +18,7 @@ from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.outside import effects_of, name_files, outside_effects
 
-__all__ = ["Closure", "Effect", "Parameter", "add_effects", "effect", "per_catalogue", "registry"]
+__all__ = ["Closure", "Effect", "Parameter", "add_effects", "effect", "hooked", "per_catalogue", "registry"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 _MADE_OF_IT: list[Any] = []
@@ -48,6 +48,13 @@ def registry() -> Mapping[str, Effect]:
             )
         found[effect.name] = effect
     return MappingProxyType(found)
+
+
+@per_catalogue
+def hooked(stage: str) -> tuple[Effect, ...]:
+    """Return the effects that have a hook for a stage, in the order in which they act."""
+    effects = [effect for effect in registry().values() if stage in effect.hooks]
+    return tuple(sorted(effects, key=lambda effect: (effect.order, effect.name)))
 
 
 def _own_effects() -> list[Effect]:
