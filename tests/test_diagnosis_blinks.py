@@ -72,8 +72,17 @@ def test_a_robot_whose_plugs_are_tight_has_no_such_spans():
     assert offered(recording(0), recording(1)) == []
 
 
-def test_a_plug_that_opened_once_is_none():
+def test_a_plug_that_opened_once_did_not_do_so_several_times():
     assert offered(plugged(0, OPEN[:1]), recording(1)) == []
+
+
+def test_a_plug_that_opened_once_for_a_moment_is_a_fault_of_the_whole_motor_and_no_push():
+    once = ((16.3, 0.13),)
+    decision = decided([plugged(0, once), recording(1)], ("external_push", "motor_fault"))
+    assert [belief.name for belief in decision.named] == ["motor_fault"]
+    fit = decision.model.effects[0].fit
+    told = {n: fit.values[0, parameter_table().place(f"motor_fault.{n}")] for n in ("loss_right", "start")}
+    assert told == pytest.approx({"loss_right": 1.0, "start": 16.3}, abs=0.25)
 
 
 def test_it_is_named_a_fault_and_not_pushes():
@@ -97,12 +106,20 @@ def test_the_losses_of_several_spans_are_what_one_span_loses():
 
 
 @pytest.mark.parametrize(
-    ("count", "length", "expected"), [(1, 0.5, False), (2, 0.5, False), (3, 0.5, True), (1, 3.0, True)]
+    ("count", "length", "loss", "expected"),
+    [
+        (1, 0.5, 0.2, False),
+        (2, 0.5, 0.2, False),
+        (3, 0.5, 0.2, True),
+        (1, 3.0, 0.2, True),
+        (1, 0.1, 0.8, True),
+    ],
 )
-def test_short_spans_last_where_they_come_often(count, length, expected):
+def test_short_spans_last_where_they_come_often_or_take_the_whole_motor(count, length, loss, expected):
     table, effect = parameter_table(), registry()["motor_fault"]
     closure = "right motor" if count == 1 else f"right motor, {('two', 'three')[count - 2]} times"
     values = table.null[None].copy()
+    values[0, table.place("motor_fault.loss_right")] = loss
     for time in range(1, count + 1):
         end = "" if time == 1 else f"_{time}"
         values[0, table.place(f"motor_fault.start{end}")] = 8.0 * time

@@ -31,7 +31,7 @@ class FaultSearch:
     residual: Residual
 
     def candidates(self, keep: int) -> list[Candidate]:
-        """Return at most `keep` spans, most promising first, and what comes several times in one recording."""
+        """Return at most `keep` spans, most promising first, and what blinks in one recording."""
         spans = [self._span(run, side) for run in self._runs for side in SIDES]
         again = [found for run in self._runs for found in self._blinks(run)]
         return sorted(spans, key=lambda c: -c.promise)[:keep] + sorted(again, key=lambda c: -c.promise)[:keep]

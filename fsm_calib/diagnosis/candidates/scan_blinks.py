@@ -3,7 +3,8 @@
 A loose plug opens for a moment, ten times a drive: no span of it lasts, and each alone is a push as well. So spans of
 up to LONGEST are fitted each by itself in the seconds in which it shows, by reweighted least squares as pushes are
 (`scan_pushes.py`: of what is an outlier a score test sees no more than its weight), the best that do not overlap are
-kept, and what stands out of these together (`outstanding.py`) is one effect with one loss.
+kept, and what stands out of these together (`outstanding.py`) is one effect with one loss. One alone is offered where
+its motor loses much: a fit that starts from a long span of a small loss does not find a short one of all of it.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ LOSSES = (
     1.5,
 )  # smallest and largest loss that counts: to first order a dead motor may lose more than all
 FEWEST = 2  # of less than this many each is a span, or a push
+ALONE = 0.25  # loss over at least STEP from which one may be a plug that opened once (`proof/plausible.py`)
 KEPT = 3  # further spans that are looked at for the next best
 
 Cells = Callable[[FloatArray], FloatArray]
@@ -45,7 +47,7 @@ class Blinks:
 
 
 def blinks(residual: Residual, run: int, cells: Cells, worth: float, most: int) -> Blinks | None:
-    """Return the spans of recording `run` that stand out together; None where fewer than two do.
+    """Return the spans of recording `run` that stand out together; None where none does, or one of a small loss.
 
     cells : edges (m + 1,) [s] to what acting in each cell between two of them changes in the recording's increments,
     (n, 5, m); worth : log-likelihood that the numbers of one span cost; most : spans at most.
@@ -60,9 +62,9 @@ def blinks(residual: Residual, run: int, cells: Cells, worth: float, most: int) 
     won, loss = _each(residual, run, cells(edges), edges, (first, last))
     chosen = list(_apart(first, last, won, most + KEPT))
     size = standing_out([float(won[i]) for i in chosen], worth, most)
-    if size < FEWEST:
-        return None
     best = chosen[:size]
+    if size < FEWEST and not any(loss[i] >= ALONE for i in best):
+        return None
     spans = np.column_stack([edges[first[best]], edges[last[best]]])
     shared = float(np.average(loss[best], weights=won[best]))
     return Blinks(spans, shared, float(won[best].sum()), float(won[chosen[size]]))
