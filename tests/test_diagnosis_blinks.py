@@ -16,10 +16,14 @@ from diagnosis_robots import (
     speeds,
 )
 
+from fsm_calib.diagnosis.candidates.candidate import Candidate
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, alike_in
+from fsm_calib.diagnosis.candidates.once_more import once_more
 from fsm_calib.diagnosis.candidates.outstanding import standing_out
 from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.starts import Start
 from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.proof.plausible import lasts
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
@@ -89,6 +93,52 @@ def test_it_is_named_a_fault_and_not_pushes():
     decision = decided([plugged(0), plugged(1)], ("external_push", "motor_fault", "payload_offset"))
     assert [belief.name for belief in decision.named] == ["motor_fault"]
     assert "times" in decision.model.effects[0].hypothesis.closure
+
+
+TWICE = ((16.3, 0.13), (24.1, 0.3))
+
+
+@pytest.fixture(scope="module")
+def opened_twice():
+    """A fit with one of two moments in which the plug was open, and the best fit with one more."""
+    engine = engine_of(plugged(0, TWICE), recording(1))
+    bank, effect = Bank.on(engine, fit_base(engine)), registry()["motor_fault"]
+    form = Hypothesis("motor_fault", effect.closure("right motor").frees, 0, closure="right motor")
+    begun = {"motor_fault.loss_right": 0.9, "motor_fault.start": 16.3, "motor_fault.duration": 0.15}
+    once = bank.fit(form, Start(with_values(bank.parent.values, begun, 0), 0.0))
+    return once, Bank.on(engine, once.fit)
+
+
+def test_an_event_that_a_model_has_is_found_once_more_with_numbers_of_its_own(opened_twice):
+    once, bank = opened_twice
+    more = bank.again(once.hypothesis, 0)
+    assert more.hypothesis.closure == "right motor, two times"
+    assert more.evidence > 50.0
+    first, second = (
+        more.fit.values[0, parameter_table().place(f"motor_fault.{n}")] for n in ("start", "start_2")
+    )
+    assert (first, second) == pytest.approx((16.3, 24.1), abs=0.1)
+
+
+def test_an_event_is_not_found_once_more_in_a_recording_without_one(opened_twice):
+    once, bank = opened_twice
+    other = bank.again(once.hypothesis, 1)
+    assert other is None or other.evidence < 14.0
+
+
+def test_once_more_takes_no_moment_of_the_other_motor_and_none_beyond_the_catalogues_times():
+    effect, kind = registry()["motor_fault"], alike_in(registry()["motor_fault"], "right motor")
+    values = parameter_table().null[None].repeat(2, axis=0)
+
+    def plans(side, known):
+        told = {f"motor_fault.{n}": v for n, v in ((f"loss_{side}", 0.4), ("start", 9.0), ("duration", 0.2))}
+        return once_more(effect, kind, (0, known), [Candidate(told, 30.0, 0)], values)
+
+    (form, (start,)) = plans("right", 2)[0]
+    assert form.closure == "right motor, three times"
+    assert start.values[0, parameter_table().place("motor_fault.start_3")] == 9.0
+    assert plans("left", 2) == []
+    assert plans("right", 8) == []
 
 
 def test_the_losses_of_several_spans_are_what_one_span_loses():

@@ -18,6 +18,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     slots_of,
     starts_move_all,
 )
+from fsm_calib.diagnosis.candidates.once_more import once_more, times_found
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, strongest
 from fsm_calib.diagnosis.candidates.scan import Scanner, scan_of
 from fsm_calib.diagnosis.candidates.scanned import Plans, scanned
@@ -224,9 +225,14 @@ class Bank:
         return strongest([*tried, *map(self._finished, self._extended(effect, tried))])
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
-        """Return the best event of its kind in another recording, once or several times; None where none is seen."""
+        """Return the best event of its kind in a recording; once more where the parent has it there, else once or
+        several times; None where none is seen.
+        """
         effect = registry()[event.effect]
-        alike = alike_in(effect, event.closure)
+        alike, times = alike_in(effect, event.closure), times_found(effect, self.parent, run)
+        if times:
+            seen, values = self.scanner.candidates(effect), self.parent.values
+            return strongest(self._fitted(once_more(effect, alike, (run, times), seen, values)))
         plans = scanned(self.prober, self.scanner, effect)
         return strongest(self._fitted(p for p in plans if p[0].run == run and p[0].closure in alike))
 

@@ -1,4 +1,4 @@
-"""An event of one recording counts with what happened of its kind in the others: others explain all of them, too."""
+"""An event counts with all that happened of its kind, in its recording and the others: others explain all of it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
-from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.verdict.event_times import timed
 
@@ -15,22 +15,51 @@ from fsm_calib.diagnosis.verdict.event_times import timed
 def in_every_recording(
     engine: Engine, ranked: Ranked, needed: float, is_told: Callable[[Ranked], bool]
 ) -> Ranked:
-    """Return an event with what happened of its kind in the other recordings, begins and ends sought along the clock.
+    """Return an event with all that happened of its kind in any recording, begins and ends sought along the clock.
 
     needed : evidence that each must have; is_told : whether one is what its name says. Other effects are returned as
     they are.
     """
-    event = ranked.hypothesis
-    if event.run == ALL_RUNS:
+    if ranked.hypothesis.run == ALL_RUNS:
         return ranked
     for run in range(len(engine.simulators)):
-        if run != event.run:
-            found = Bank.on(engine, ranked.fit).again(event, run)
-            if found is not None and found.evidence >= needed and is_told(found):
-                ranked = _with(ranked, found.evidence, found.gain, found)
+        while (more := _again(engine, ranked, run, needed, is_told)) is not None:
+            ranked = more
     found = replace(ranked, fit=timed(engine, ranked.fit, ranked.name))
     won = found.fit.score - ranked.fit.score
     return _with(ranked, 2.0 * won, won, found) if won > 0.0 and is_told(found) else ranked
+
+
+def come_again(
+    engine: Engine,
+    effects: tuple[Ranked, ...],
+    fit: Fit,
+    needed: float,
+    is_told: Callable[[Ranked], bool],
+) -> tuple[tuple[Ranked, ...], Fit] | None:
+    """Return the effects of a model and its fit with an event that came more often; None where none did.
+
+    What the other effects hid when the event was found shows beside them: before a further kind of event is taken in,
+    it is asked whether it is one of those that are known.
+    """
+    for i, effect in enumerate(effects):
+        whole = in_every_recording(engine, replace(effect, fit=fit), needed, is_told)
+        if whole.evidence >= effect.evidence + needed:
+            return (*effects[:i], whole, *effects[i + 1 :]), whole.fit
+    return None
+
+
+def _again(
+    engine: Engine, ranked: Ranked, run: int, needed: float, is_told: Callable[[Ranked], bool]
+) -> Ranked | None:
+    """Return an event with what happened of its kind in a recording besides; None where nothing did."""
+    event = ranked.hypothesis
+    found = Bank.on(engine, ranked.fit).again(event, run)
+    if found is None or found.evidence < needed or not is_told(found):
+        return None
+    if run == event.run:
+        ranked = replace(ranked, hypothesis=replace(found.hypothesis, elsewhere=event.elsewhere))
+    return _with(ranked, found.evidence, found.gain, found)
 
 
 def _with(ranked: Ranked, evidence: float, gain: float, found: Ranked) -> Ranked:

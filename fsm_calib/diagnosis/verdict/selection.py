@@ -20,6 +20,7 @@ from functools import partial
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.from_the_leader import sought_again
+from fsm_calib.diagnosis.candidates.hypotheses import is_event
 from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.polish import polished
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
@@ -31,7 +32,7 @@ from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.fitting.wald import strengths_of, wald
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.diagnosis.proof.plausible import is_crossed, is_plausible, stands_out
-from fsm_calib.diagnosis.verdict.every_recording import in_every_recording
+from fsm_calib.diagnosis.verdict.every_recording import come_again, in_every_recording
 from fsm_calib.diagnosis.verdict.spared import spared
 from fsm_calib.diagnosis.verdict.swapped import swapped
 from fsm_calib.diagnosis.verdict.worth_asking import standing_out, worth_asking
@@ -232,6 +233,10 @@ class Selector:
         rankings = (*selection.rankings, tuple(found))
         if not found or found[0].evidence < wanted:
             return None
+        if is_event(registry()[found[0].name]):
+            again = come_again(self.engine, selection.effects, selection.fit, self.needed, self._is_told)
+            if again is not None:
+                return self._pruned(*again, selection.rankings, wanted, SURELY_NEEDED * wanted)
         effects, fit = swapped(self, (*selection.effects, found[0]), found[0].fit, rankings)
         return self._pruned(effects, fit, rankings, wanted, SURELY_NEEDED * wanted)
 
