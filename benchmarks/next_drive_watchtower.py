@@ -2,26 +2,28 @@
 
     python3 benchmarks/next_drive_watchtower.py RECORDINGS/duckiebot-watchtower [--draws 40]
 
-Its laps alone leave motor_deadband, tyre_scrub and caster_drag open. The next drive is designed from them; then each
-of the three is simulated on it as fitted to the laps, with the laps' estimated noise on speeds (Ornstein-Uhlenbeck)
-and poses; and laps and new drive are diagnosed together, by the three alone. Right: the true name leads, and beats the
-next so surely that it would stand without it (`proof/gap.py`).
+Its laps are explained three times, by each of motor_deadband, tyre_scrub and caster_drag with whatever joins it and
+without the other two. The next drive is designed for the three as equals; then each is simulated on it as fitted to
+the laps, with the laps' estimated noise on speeds (Ornstein-Uhlenbeck) and poses, and the drive alone is diagnosed, by
+the three and their company (the laps are of one robot, and speak for one of them). Right: the answer has the true
+name, and neither of the others, not as a set either.
 """
 
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
 from fsm_calib.diagnosis.design.area import Area
+from fsm_calib.diagnosis.design.belief import Belief, Hypothesis
 from fsm_calib.diagnosis.design.belief_of import belief_of
 from fsm_calib.diagnosis.design.designer import design, played
 from fsm_calib.diagnosis.design.foresight import drive_of
 from fsm_calib.diagnosis.diagnose import diagnose
-from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
 from fsm_calib.recording import read_recording
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording
@@ -57,6 +59,16 @@ def driven(belief, values, holds, rng) -> Recording:
     return Recording(robot=belief.robot, command=command, pose=PoseTrack(stamps, *poses.T), source="planned")
 
 
+def explained_by(name: str, laps: list[Recording]) -> Belief:
+    """What the laps leave to believe where the other two of the rivals are no explanation."""
+    return belief_of(diagnose(laps, without=[other for other in RIVALS if other != name]).decision)
+
+
+def likeliest(belief: Belief, name: str) -> Hypothesis:
+    """The likeliest explanation that has a name."""
+    return max((h for h in belief.hypotheses if name in h.names), key=lambda h: h.probability)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -65,8 +77,11 @@ def main() -> None:
     parser.add_argument("--draws", type=int, default=40)
     asked = parser.parse_args()
     laps = [read_recording(asked.folder / name) for name in LAPS]
-    belief = belief_of(diagnose(laps).decision)
-    print("after the laps:", ", ".join(f"{h.label} {h.probability:.3f}" for h in belief.hypotheses))
+    beliefs = {name: explained_by(name, laps) for name in RIVALS}
+    truths = {name: likeliest(belief, name) for name, belief in beliefs.items()}
+    print("fitted to the laps:", ", ".join(f"{truth.label}" for truth in truths.values()))
+    equal = tuple(replace(truth, probability=1.0 / len(RIVALS)) for truth in truths.values())
+    belief = replace(beliefs["tyre_scrub"], hypotheses=equal)
     began = perf_counter()
     plan = design(belief, Area(), Pose2(), np.random.default_rng(0), played(40.0))
     print(f"designed in {perf_counter() - began:.2f} s: {plan.seconds:.1f} s of driving in 2 x 2 m")
@@ -74,23 +89,24 @@ def main() -> None:
         print(f"  {way.start:5.1f} s  {way.name}")
     print(f"sure before {plan.forecast.sureness_before:.2f}, promised after {plan.forecast.sureness:.2f}")
     total = 0
+    asked_for = {*RIVALS, *(name for truth in truths.values() for name in truth.names)}
+    others = [name for name in registry() if name not in asked_for]
     for name in reversed(RIVALS):
-        truth = max((h for h in belief.hypotheses if name in h.names), key=lambda h: h.probability)
-        others = [n for n in registry() if n not in {*RIVALS, *truth.names}]
-        right, gaps = 0, []
+        right = 0
         for draw in range(asked.draws):
             rng = np.random.default_rng([RIVALS.index(name), draw])
-            recording = driven(belief, truth.values, plan.holds, rng)
-            decision = diagnose([*laps, recording], without=others).decision
-            first, second = decision.ranking[:2]
-            gap = gap_between(decision.engine, first.fit, second.fit)
-            gaps.append(gap.evidence if first.name == name else -gap.evidence)
-            is_right = first.name == name and gap.probability >= TOLD_APART
-            right += is_right
-            if not is_right:
-                print("   not told apart:", [(r.name, round(r.evidence)) for r in decision.ranking])
+            recording = driven(beliefs[name], truths[name].values, plan.holds, rng)
+            decision = diagnose([recording], without=others).decision
+            said = set().union(*[set(known.among) for known in decision.named]) & set(RIVALS)
+            right += said == {name}
+            if said != {name}:
+                print(
+                    "   not told apart:",
+                    sorted(said),
+                    [(r.name, round(r.evidence)) for r in decision.ranking],
+                )
         total += right
-        print(f"{name}: told apart in {right} of {asked.draws} draws, median gap {np.median(gaps):.0f}")
+        print(f"{name}: told apart in {right} of {asked.draws} draws", flush=True)
     print(f"in all: {total} of {asked.draws * len(RIVALS)}")
 
 

@@ -62,7 +62,7 @@ def test_one_quiet_moment_of_two_is_enough(drives):
     )
 
 
-def test_what_comes_at_every_hard_moment_of_a_drive_loses_its_name_and_one_span_is_not_asked(drives):
+def test_what_comes_at_every_hard_moment_of_a_drive_loses_its_name_and_one_long_span_is_not_asked(drives):
     engine, values = drives
     loss = {"motor_fault.loss_left": 1.0, "motor_fault.loss_right": 1.0}
     hard = [moment(engine, values, -1 - 12 * k) for k in range(4)]
@@ -75,6 +75,14 @@ def test_what_comes_at_every_hard_moment_of_a_drive_loses_its_name_and_one_span_
     assert against(*quiet) == 0.0
     assert against(*hard) > against(hard[0], *quiet)
     assert against(hard[0]) == 0.0
+
+
+@pytest.mark.parametrize(("seconds", "asked"), [(0.15, True), (1.9, True), (2.1, False)])
+def test_a_span_as_short_as_a_push_is_asked(drives, seconds, asked):
+    engine, values = drives
+    fault = {"motor_fault.loss_left": 1.0, "motor_fault.duration": seconds}
+    fit = happened(values, fault, "motor_fault", (1, [moment(engine, values, -1)]))
+    assert (against_patch(engine, fit, ["motor_fault"]) > 2.0) is asked
 
 
 def test_what_has_no_moment_is_not_asked(drives):

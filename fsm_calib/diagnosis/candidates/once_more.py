@@ -14,7 +14,6 @@ from fsm_calib.diagnosis.candidates.candidate import Candidate
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.scanned import Plans
 from fsm_calib.diagnosis.candidates.starts import Start
-from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Closure, Effect
@@ -22,14 +21,6 @@ from fsm_calib.world2d.effects.numbered import length_of, numbered, starts_in
 from fsm_calib.world2d.parameters import parameter_table
 
 SHORTEST = 0.1  # of the scan's span: a moment in which all is lost is shorter than one in which a part is
-
-
-def times_found(effect: Effect, fit: Fit, run: int) -> int:
-    """Return how many times of an event a fit has free in a recording."""
-    table = parameter_table()
-    free = {slot.place for slot in fit.slots if slot.run == run}
-    starts = starts_in(p.name for p in effect.parameters)
-    return sum(table.place(f"{effect.name}.{start}") in free for start in starts)
 
 
 def once_more(

@@ -18,12 +18,13 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     slots_of,
     starts_move_all,
 )
-from fsm_calib.diagnosis.candidates.once_more import once_more, times_found
+from fsm_calib.diagnosis.candidates.once_more import once_more
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, strongest
 from fsm_calib.diagnosis.candidates.scan import Scanner, scan_of
 from fsm_calib.diagnosis.candidates.scanned import Plans, scanned
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
+from fsm_calib.diagnosis.fitting.begins import begins_of
 from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
 from fsm_calib.diagnosis.fitting.side_by_side import Result, Thing, side_by_side
 from fsm_calib.diagnosis.fitting.slot import Slot
@@ -229,7 +230,7 @@ class Bank:
         several times; None where none is seen.
         """
         effect = registry()[event.effect]
-        alike, times = alike_in(effect, event.closure), times_found(effect, self.parent, run)
+        alike, times = alike_in(effect, event.closure), len(begins_of(self.parent, effect.name, run))
         if times:
             seen, values = self.scanner.candidates(effect), self.parent.values
             return strongest(self._fitted(once_more(effect, alike, (run, times), seen, values)))

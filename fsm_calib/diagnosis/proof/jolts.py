@@ -25,9 +25,11 @@ from fsm_calib.diagnosis.fitting.begins import begins_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off
 from fsm_calib.diagnosis.proof.gates import EXACT
+from fsm_calib.diagnosis.proof.plausible import SHORTEST_SPAN
 from fsm_calib.diagnosis.proof.pose_jump import AFTER, BEFORE
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects import Effect, registry
+from fsm_calib.world2d.effects.numbered import length_of
 from fsm_calib.world2d.parameters import parameter_table
 
 GRID = 0.05  # s between the times at which the jolts of a drive are looked at
@@ -53,14 +55,19 @@ def against_patch(engine: Engine, fit: Fit, effects: Sequence[str]) -> float:
 
 
 def _moments(fit: Fit, effects: Sequence[str]) -> dict[int, list[float]]:
-    """Return by recording when [s] some effects happened for a moment: pushes, and spans that came several times."""
+    """Return by recording when [s] some effects happened for a moment: pushes, spans as short or that came again."""
     found = dict[int, list[float]]()
     for effect in (registry()[name] for name in effects if is_event(registry()[name])):
         for run in fit.runs_of(effect.name):
             starts = begins_of(fit, effect.name, run)
-            if effect.when == "moment" or len(starts) > 1:
+            if effect.when == "moment" or len(starts) > 1 or _length(fit, effect, run) < SHORTEST_SPAN:
                 found.setdefault(run, []).extend(starts)
     return found
+
+
+def _length(fit: Fit, effect: Effect, run: int) -> float:
+    """Return how long [s] an effect lasts in a recording, the first time."""
+    return float(fit.values[run, parameter_table().place(f"{effect.name}.{length_of('start')}")])
 
 
 def density(share: float) -> float:

@@ -47,30 +47,31 @@ def ranked_if_bared(selector: Selector, bank: Bank, ranking: list[Ranked]) -> Fo
     return _ranked_as_it_rests(*found)
 
 
+def _ranked_with(selector: Selector, bank: Bank, ranking: list[Ranked], name: str, freeing: Freeing) -> Found:
+    """Return all on a base with a number set free, where the recordings ask for it beside the first effect."""
+    leader, measured = _leader(selector, ranking), selector.engine.simulators[0].measured_input
+    if leader is None or measured or found_free(selector.base, name):
+        return selector, bank, ranking
+    others = [effect for effect in selector.catalogue if effect.name != leader.name and not effect.scan]
+    freed = freeing(selector.engine, leader.fit, others)
+    return _anew(selector, freed, leader) if found_free(freed, name) else (selector, bank, ranking)
+
+
 def _ranked_as_it_rests(selector: Selector, bank: Bank, ranking: list[Ranked]) -> Found:
     """Return all on a base whose controller keeps or drops its integral at rest, as is likelier beside the first."""
-    if not found_free(selector.base, HOLD) or not ranking or ranking[0].evidence < selector.needed:
+    leader = _leader(selector, ranking)
+    if leader is None or not found_free(selector.base, HOLD):
         return selector, bank, ranking
-    leader = ranking[0]
     rested = with_likelier_rest(selector.engine, leader.fit)
-    if rested is leader.fit:
-        return selector, bank, ranking
-    return _anew(selector, rested, leader)
+    return (selector, bank, ranking) if rested is leader.fit else _anew(selector, rested, leader)
+
+
+def _leader(selector: Selector, ranking: list[Ranked]) -> Ranked | None:
+    """Return the first effect of a ranking, if it explains enough to hide something."""
+    return ranking[0] if ranking and ranking[0].evidence >= selector.needed else None
 
 
 def _anew(selector: Selector, fit: Fit, leader: Ranked) -> Found:
     """Return selector, bank and ranking on what a fit leaves without its first effect."""
     bare = replace(selector, base=selector.without(fit, leader.name), distinct={})
     return bare, *bare.first_ranked()
-
-
-def _ranked_with(selector: Selector, bank: Bank, ranking: list[Ranked], name: str, freeing: Freeing) -> Found:
-    measured = selector.engine.simulators[0].measured_input
-    if measured or found_free(selector.base, name) or not ranking or ranking[0].evidence < selector.needed:
-        return selector, bank, ranking
-    leader = ranking[0]
-    others = [effect for effect in selector.catalogue if effect.name != leader.name and not effect.scan]
-    freed = freeing(selector.engine, leader.fit, others)
-    if not found_free(freed, name):
-        return selector, bank, ranking
-    return _anew(selector, freed, leader)
