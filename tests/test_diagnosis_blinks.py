@@ -141,6 +141,23 @@ def test_once_more_takes_no_moment_of_the_other_motor_and_none_beyond_the_catalo
     assert plans("right", 8) == []
 
 
+def test_the_opposite_of_a_fault_within_it_is_a_pause_between_two():
+    effect, kind = registry()["motor_fault"], alike_in(registry()["motor_fault"], "right motor")
+    known = {"motor_fault.loss_right": 0.02, "motor_fault.start": 21.0, "motor_fault.duration": 30.0}
+    values = with_values(parameter_table().null[None], known, 0)
+
+    def begun(start, duration):
+        told = {"loss_right": -0.01, "start": start, "duration": duration}
+        changes = {f"motor_fault.{name}": value for name, value in told.items()}
+        plans = once_more(effect, kind, (0, 1), [Candidate(changes, 30.0, 0)], values)
+        names = ("start", "duration", "start_2", "duration_2")
+        places = [parameter_table().place(f"motor_fault.{name}") for name in names]
+        return [starts[0].values[0, places].tolist() for _, starts in plans]
+
+    assert begun(31.0, 9.0) == [[21.0, 10.0, 40.0, 11.0]]
+    assert begun(45.0, 9.0) == []  # it ends after the fault does
+
+
 def test_the_losses_of_several_spans_are_what_one_span_loses():
     grid = np.arange(0.0, 12.0, 0.01)
     told = {"loss_right": 0.5, "start": 2.0, "duration": 1.0, "start_3": 6.0, "duration_3": 2.0}

@@ -137,11 +137,17 @@ class Selector:
             bank = self._bank_on(selection)
             larger = self._with_one_more(selection, bank, self._worth_asking(selection, bank))
             if larger is None:
-                return selection
+                break
             selection = larger
             if len(selection.effects) < len(selection.rankings):  # one went as another came: what is left
                 return self._with_a_moment(selection)  # has been tried, but for what the one that went hid
-        return selection
+        return self._come_again(selection) or selection
+
+    def _come_again(self, selection: Selection) -> Selection | None:
+        """Return the selection with an event that came more often than was seen before; None where none did."""
+        again = come_again(self.engine, selection.effects, selection.fit, self.needed, self._is_told)
+        wanted = self._wanted(selection)
+        return again and self._pruned(*again, selection.rankings, wanted, SURELY_NEEDED * wanted)
 
     def _with_a_moment(self, selection: Selection) -> Selection:
         """Return the selection with a moment that stands out, where there is one and room for it."""
@@ -233,10 +239,8 @@ class Selector:
         rankings = (*selection.rankings, tuple(found))
         if not found or found[0].evidence < wanted:
             return None
-        if is_event(registry()[found[0].name]):
-            again = come_again(self.engine, selection.effects, selection.fit, self.needed, self._is_told)
-            if again is not None:
-                return self._pruned(*again, selection.rankings, wanted, SURELY_NEEDED * wanted)
+        if is_event(registry()[found[0].name]) and (again := self._come_again(selection)) is not None:
+            return again
         effects, fit = swapped(self, (*selection.effects, found[0]), found[0].fit, rankings)
         return self._pruned(effects, fit, rankings, wanted, SURELY_NEEDED * wanted)
 
