@@ -79,11 +79,10 @@ def lasts(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     spans = [(values[start], values[length]) for start, length in names]
     p = simulators[run].prepared
     inside = np.any([(p.time >= begin) & (p.time <= begin + length) for begin, length in spans], axis=0)
-    long = sum(length for _, length in spans) >= SHORTEST_SPAN or len(spans) >= OFTEN
     lost = [values[f"{ranked.name}.{n}"] for n in ranked.hypothesis.names if effect.parameter(n).strength]
-    return (long or max(lost, default=0.0) >= MOST_OF_IT) and float(
-        np.sum((p.dt * p.moving)[~inside])
-    ) >= SHORTEST_SPAN
+    long = sum(length for _, length in spans) >= SHORTEST_SPAN or len(spans) >= OFTEN
+    beside = float(np.sum((p.dt * p.moving)[~inside]))
+    return (long or max(lost, default=0.0) >= MOST_OF_IT) and beside >= SHORTEST_SPAN
 
 
 def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
