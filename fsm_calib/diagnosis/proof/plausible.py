@@ -68,7 +68,7 @@ def lasts(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
 
     What lasts from begin to end of a recording is another robot there, nothing that came or went. Short ones are more
     than pushes where they come again by the same loss, `OFTEN` times or in all as long, or where the motor loses
-    `MOST_OF_IT`: a plug opens, a driver starts anew. Faults fitted to 14 pushes of foreign robots lost 0.16 at most.
+    `MOST_OF_IT`: a plug opens, a driver starts anew. Faults fitted to 14 pushes of foreign robots changed 0.08 at most.
     """
     effect = registry()[ranked.name]
     if effect.when != "span":
