@@ -79,7 +79,7 @@ def main() -> None:
     laps = [read_recording(asked.folder / name) for name in LAPS]
     beliefs = {name: explained_by(name, laps) for name in RIVALS}
     truths = {name: likeliest(belief, name) for name, belief in beliefs.items()}
-    print("fitted to the laps:", ", ".join(f"{truth.label}" for truth in truths.values()))
+    print("fitted to the laps:", ", ".join(truth.label for truth in truths.values()))
     equal = tuple(replace(truth, probability=1.0 / len(RIVALS)) for truth in truths.values())
     belief = replace(beliefs["tyre_scrub"], hypotheses=equal)
     began = perf_counter()

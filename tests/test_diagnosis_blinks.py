@@ -126,30 +126,30 @@ def test_an_event_is_not_found_once_more_in_a_recording_without_one(opened_twice
     assert other is None or other.evidence < 14.0
 
 
+def one_more(told, known, values):
+    """Return what is made of a span that a scan tells, where the right motor is known to have failed `known` times."""
+    effect = registry()["motor_fault"]
+    changes = {f"motor_fault.{name}": value for name, value in told.items()}
+    return once_more(
+        effect, alike_in(effect, "right motor"), (0, known), [Candidate(changes, 30.0, 0)], values
+    )
+
+
 def test_once_more_takes_no_moment_of_the_other_motor_and_none_beyond_the_catalogues_times():
-    effect, kind = registry()["motor_fault"], alike_in(registry()["motor_fault"], "right motor")
-    values = parameter_table().null[None].repeat(2, axis=0)
-
-    def plans(side, known):
-        told = {f"motor_fault.{n}": v for n, v in ((f"loss_{side}", 0.4), ("start", 9.0), ("duration", 0.2))}
-        return once_more(effect, kind, (0, known), [Candidate(told, 30.0, 0)], values)
-
-    (form, (start,)) = plans("right", 2)[0]
+    values, moment = parameter_table().null[None], {"start": 9.0, "duration": 0.2}
+    (form, (start,)) = one_more({"loss_right": 0.4, **moment}, 2, values)[0]
     assert form.closure == "right motor, three times"
     assert start.values[0, parameter_table().place("motor_fault.start_3")] == 9.0
-    assert plans("left", 2) == []
-    assert plans("right", 8) == []
+    assert one_more({"loss_left": 0.4, **moment}, 2, values) == []
+    assert one_more({"loss_right": 0.4, **moment}, 8, values) == []
 
 
 def test_the_opposite_of_a_fault_within_it_is_a_pause_between_two():
-    effect, kind = registry()["motor_fault"], alike_in(registry()["motor_fault"], "right motor")
     known = {"motor_fault.loss_right": 0.02, "motor_fault.start": 21.0, "motor_fault.duration": 30.0}
     values = with_values(parameter_table().null[None], known, 0)
 
     def begun(start, duration):
-        told = {"loss_right": -0.01, "start": start, "duration": duration}
-        changes = {f"motor_fault.{name}": value for name, value in told.items()}
-        plans = once_more(effect, kind, (0, 1), [Candidate(changes, 30.0, 0)], values)
+        plans = one_more({"loss_right": -0.01, "start": start, "duration": duration}, 1, values)
         names = ("start", "duration", "start_2", "duration_2")
         places = [parameter_table().place(f"motor_fault.{name}") for name in names]
         return [starts[0].values[0, places].tolist() for _, starts in plans]

@@ -34,10 +34,9 @@ DEPARTURE_NAMES = {
 }
 # physics that no robot is without: motors with dry friction of 0.6 % of their stall torque and wheels that roll with 0.8 %
 # of their load (`robots.py`); in the plane tyres that yield sideways (four to nine times their load for a unit of slip), and
-# a trailing caster whose wheel rolls with 1 % of its load; in
-# MuJoCo cylinders that stand on a line, which resists a pivoting robot, and contacts that creep sideways (soft constraints);
-# in PhysX a ball under every robot that slides with 1.5 to 4 % of its load, a skid with 8 to 14 %, a fork that turns over
-# (`physx_robots/robots.py`, `_casters`)
+# a trailing caster whose wheel rolls with 1 % of its load; in MuJoCo cylinders that stand on a line, which resists a pivoting
+# robot, and contacts that creep sideways (soft constraints); in PhysX a ball under every robot that slides with 1.5 to 4 % of
+# its load, a skid with 8 to 14 %, a fork that turns over (`physx_robots/robots.py`, `_casters`)
 BUILT_IN = {
     "": {"coulomb_friction"},
     "planar": {"lateral_slip", "caster_drag"},
@@ -45,16 +44,10 @@ BUILT_IN = {
     "physx": {"caster_drag"},
 }
 CART = 15.0  # kg: Drake's robots above it stand on a swivelling fork, which turns over after every reversal and pushes
-SERIES = {
-    "planar",
-    "mujoco",
-    "pybullet",
-    "drake",
-}  # engines whose cells have 1 % of a motor's resistance (`robots.py`)
-NEAR, NEAR_SHARE = (
-    0.002,
-    0.2,
-)  # m, rad or 1, and share of the size: so close is what was found to what was built
+# engines of robots whose cells have 1 % of a motor's resistance (`robots.py`)
+SERIES = {"planar", "mujoco", "pybullet", "drake"}
+# m, rad or 1, and share of the size: so close is what was found to what was built
+NEAR, NEAR_SHARE = 0.002, 0.2
 # sizes that mean the same in any engine: (label, laws) -> size in the key, unit of the parameter
 SIZES: dict[str, tuple[set[str], str, str]] = {
     "command_delay": ({"constant"}, "delay_s", "s"),

@@ -188,7 +188,7 @@ class Scanner:
         return [Candidate(discs[i].changes(effect), float(promise[i])) for i in np.argsort(-promise)[:KEEP]]
 
     def spans(self, effect: Effect) -> list[Candidate]:
-        """Return spans of one recording in which a wheel's motor is weaker, and where one fails again and again."""
+        """Return spans of one recording in which a wheel's motor is weaker, and where one blinks."""
         return FaultSearch(effect, self.parent, self.residual).candidates(KEEP)
 
     def pushes(self, effect: Effect) -> list[Candidate]:

@@ -22,9 +22,10 @@ def in_every_recording(
     """
     if ranked.hypothesis.run == ALL_RUNS:
         return ranked
+    bank = Bank.on(engine, ranked.fit)  # one scan tells of all recordings until something is found
     for run in range(len(engine.simulators)):
-        while (more := _again(engine, ranked, run, needed, is_told)) is not None:
-            ranked = more
+        while (more := _again(bank, ranked, run, needed, is_told)) is not None:
+            ranked, bank = more, Bank.on(engine, more.fit)
     found = replace(ranked, fit=timed(engine, ranked.fit, ranked.name))
     won = found.fit.score - ranked.fit.score
     return _with(ranked, 2.0 * won, won, found) if won > 0.0 and is_told(found) else ranked
@@ -50,11 +51,14 @@ def come_again(
 
 
 def _again(
-    engine: Engine, ranked: Ranked, run: int, needed: float, is_told: Callable[[Ranked], bool]
+    bank: Bank, ranked: Ranked, run: int, needed: float, is_told: Callable[[Ranked], bool]
 ) -> Ranked | None:
-    """Return an event with what happened of its kind in a recording besides; None where nothing did."""
+    """Return an event with what happened of its kind in a recording besides; None where nothing did.
+
+    bank : on top of the event's fit.
+    """
     event = ranked.hypothesis
-    found = Bank.on(engine, ranked.fit).again(event, run)
+    found = bank.again(event, run)
     if found is None or found.evidence < needed or not is_told(found):
         return None
     if run == event.run:
