@@ -205,15 +205,18 @@ class Bank:
         if hypothesis not in self.distinct:
             self.distinct[hypothesis] = distinct_of(list(probes.values()))
         unmoved = self.prober.probes(hypothesis, single_steps(hypothesis, choices))
-        promised = [OPTIMISM * self.prober.reach([*probes.values(), *unmoved])]
-        promised += [probe.declared.promise for probe in probes.values()]
+        declared = [probe.declared.promise for probe in probes.values()]
+        held_back = self.prober.held_back(hypothesis, [choices[i] for i in few], max([0.0, *declared]))
+        promised = [OPTIMISM * self.prober.reach([*probes.values(), *unmoved]), *declared]
+        promised += [start.promise for start in held_back]
         if max(promised) < hope and (self.scanner.worth or starts_move_all(hypothesis)):
             return []
         if not hypothesis.held and not any(effect.parameter(n).starts for n in hypothesis.names):
-            return [Start(self.parent.values, 0.0)]  # linear at its null value
+            return [Start(self.parent.values, 0.0), *held_back]  # linear at its null value
         rest = [i for i in range(len(choices)) if i not in probes]
         probes |= zip(rest, self.prober.probes(hypothesis, [choices[i] for i in rest]), strict=True)
-        return self.prober.best_starts(hypothesis, choices, 1, [probes[i] for i in range(len(choices))])
+        in_order = [probes[i] for i in range(len(choices))]
+        return [*self.prober.best_starts(hypothesis, choices, 1, in_order), *held_back]
 
     def fit(self, hypothesis: Hypothesis, start: Start) -> Ranked:
         """Fit one hypothesis from one start; the result is never worse than the parent."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.held_back import motors_to_try, stronger
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, scaled
 from fsm_calib.diagnosis.fitting.fit import AT_A_TIME, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
@@ -112,6 +113,18 @@ class Prober:
         scale = float(np.sign(amplitude) * size)
         promise = scale * score - 0.5 * scale * scale * power
         return Start(with_values(self.parent.values, scaled(effect, changes, scale), hypothesis.run), promise)
+
+    def held_back(self, hypothesis: Hypothesis, choices: Sequence[Changes], promised: float) -> list[Start]:
+        """Return the best start with stronger motors than a weak parent's, where it promises more than `promised`."""
+        motors = motors_to_try(self.simulators, self.parent.values)
+        tried = stronger(self.parent.values, hypothesis, choices, motors)
+        gains = [
+            float(gain)
+            for i in range(0, len(tried), AT_A_TIME)
+            for gain in self._gains(self._white(tried[i : i + AT_A_TIME]))
+        ]
+        best = max(range(len(tried)), key=gains.__getitem__, default=None)
+        return [] if best is None or gains[best] <= promised else [Start(tried[best], gains[best])]
 
     def reach(self, probes: Sequence[Probe]) -> float:
         """Return the log-likelihood that any mixture of what some starts change could win, to first order.
