@@ -1,12 +1,12 @@
 """Would the planned drive tell the watchtower robot's three explanations apart?
 
-    python3 benchmarks/next_drive_watchtower.py RECORDINGS/duckiebot-watchtower [--draws 40]
+    python3 benchmarks/next_drive_watchtower.py RECORDINGS/duckiebot-watchtower [--draws 40] [--alone]
 
 Its laps are explained three times, by each of motor_deadband, tyre_scrub and caster_drag with whatever joins it and
-without the other two. The next drive is designed for the three as equals; then each is simulated on it as fitted to
-the laps, with the laps' estimated noise on speeds (Ornstein-Uhlenbeck) and poses, and the drive alone is diagnosed, by
-the three and their company (the laps are of one robot, and speak for one of them). Right: the answer has the true
-name, and neither of the others, not as a set either.
+without the other two. The next drive is designed for the three as equals; then each is simulated as fitted to the
+laps, on the laps' commands and on the drive, with the laps' estimated noise on speeds (Ornstein-Uhlenbeck) and poses.
+Laps and drive are diagnosed together, as `diagnose laps next-drive` does, or the drive alone, by the three and their
+company. Right: the answer has the true name, and neither of the others, not as a set either.
 """
 
 from __future__ import annotations
@@ -21,25 +21,49 @@ import numpy as np
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis
 from fsm_calib.diagnosis.design.belief_of import belief_of
-from fsm_calib.diagnosis.design.designer import design, played
-from fsm_calib.diagnosis.design.foresight import drive_of
+from fsm_calib.diagnosis.design.designer import design
+from fsm_calib.diagnosis.design.designer import played as wishes_of
+from fsm_calib.diagnosis.design.foresight import Holds, drive_of
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.recording import read_recording
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording
-from fsm_calib.types import Pose2
+from fsm_calib.types import FloatArray, Pose2
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.rollout import simulate
+from fsm_calib.world2d.rollout import Drive, simulate
 
 LAPS = ("b2-run3.recording.yaml", "b2-run5.recording.yaml")
 RIVALS = ("motor_deadband", "tyre_scrub", "caster_drag")
 STEP = 0.01
 
 
-def driven(belief, values, holds, rng) -> Recording:
-    """The planned drive of a robot with `values`, disturbed and measured with the laps' noise."""
+def played(belief: Belief, values: FloatArray, holds: Holds, rng: np.random.Generator) -> Recording:
+    """Return the planned drive of a robot with `values` (p,), from rest until it rests again."""
     drive, end = drive_of(holds)
-    time = np.arange(0.0, end + 1.0, STEP)
+    stamps = np.arange(0.0, end + 0.5, 1.0 / belief.frame_rate)
+    return seen(belief, values, drive, stamps, Pose2(), rng)
+
+
+def driven_again(belief: Belief, values: FloatArray, lap: Recording, rng: np.random.Generator) -> Recording:
+    """Return a lap as a robot with `values` (p,) drives it, from where it was seen with the first command."""
+    command, seen_at = lap.command, lap.pose.time >= lap.command.time[0]
+    stamps, start = lap.pose.time[seen_at], [v[seen_at][0] for v in (lap.pose.x, lap.pose.y, lap.pose.theta)]
+    drive = Drive(command.time, command.left, command.right)
+    return seen(belief, values, drive, stamps, Pose2(*map(float, start)), rng)
+
+
+def seen(
+    belief: Belief,
+    values: FloatArray,
+    drive: Drive,
+    stamps: FloatArray,
+    start: Pose2,
+    rng: np.random.Generator,
+) -> Recording:
+    """Return a drive of a robot with `values` (p,), seen at `stamps` (n,) [s], disturbed and measured with the noise of
+    the laps.
+    """
+    time = np.arange(min(drive.time[0], stamps[0]), stamps[-1] + 0.5, STEP)
     states = simulate(values, drive, time, np.zeros(3), dt=STEP)
     noise, keep = belief.noise, np.exp(-STEP / belief.noise.memory)
     sizes = np.array([noise.forward, noise.sideways, noise.turning])
@@ -49,14 +73,20 @@ def driven(belief, values, holds, rng) -> Recording:
         errors[k] = error
     moving = np.clip((np.abs(states[:, 3]) + 0.05 * np.abs(states[:, 5]) - 0.008) / 0.017, 0.0, 1.0)
     v, side, turn = (states[:, [3, 4, 5]] + errors * moving[:, None]).T
-    theta = np.concatenate([[0.0], np.cumsum(turn[:-1]) * STEP])
-    x = np.concatenate([[0.0], np.cumsum((v * np.cos(theta) - side * np.sin(theta))[:-1]) * STEP])
-    y = np.concatenate([[0.0], np.cumsum((v * np.sin(theta) + side * np.cos(theta))[:-1]) * STEP])
-    stamps = np.arange(0.0, end + 0.5, 1.0 / belief.frame_rate)
+    theta = _summed(turn, start.theta)
+    x = _summed(v * np.cos(theta) - side * np.sin(theta), start.x)
+    y = _summed(v * np.sin(theta) + side * np.cos(theta), start.y)
     poses = np.column_stack([np.interp(stamps, time, column) for column in (x, y, theta)])
     poses += rng.standard_normal(poses.shape) * (noise.position, noise.position, noise.heading)
     command = CommandTrack(drive.time, drive.left, drive.right)
-    return Recording(robot=belief.robot, command=command, pose=PoseTrack(stamps, *poses.T), source="planned")
+    return Recording(
+        robot=belief.robot, command=command, pose=PoseTrack(stamps, *poses.T), source="simulated"
+    )
+
+
+def _summed(rate: FloatArray, start: float) -> FloatArray:
+    """Return where something is that begins at `start` and changes at a `rate` (n,) from step to step."""
+    return start + np.concatenate([[0.0], np.cumsum(rate[:-1]) * STEP])
 
 
 def explained_by(name: str, laps: list[Recording]) -> Belief:
@@ -75,6 +105,7 @@ def main() -> None:
     )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--draws", type=int, default=40)
+    parser.add_argument("--alone", action="store_true", help="diagnose the drive without the laps")
     asked = parser.parse_args()
     laps = [read_recording(asked.folder / name) for name in LAPS]
     beliefs = {name: explained_by(name, laps) for name in RIVALS}
@@ -83,7 +114,7 @@ def main() -> None:
     equal = tuple(replace(truth, probability=1.0 / len(RIVALS)) for truth in truths.values())
     belief = replace(beliefs["tyre_scrub"], hypotheses=equal)
     began = perf_counter()
-    plan = design(belief, Area(), Pose2(), np.random.default_rng(0), played(40.0))
+    plan = design(belief, Area(), Pose2(), np.random.default_rng(0), wishes_of(40.0))
     print(f"designed in {perf_counter() - began:.2f} s: {plan.seconds:.1f} s of driving in 2 x 2 m")
     for way in plan.manoeuvres:
         print(f"  {way.start:5.1f} s  {way.name}")
@@ -95,8 +126,11 @@ def main() -> None:
         right = 0
         for draw in range(asked.draws):
             rng = np.random.default_rng([RIVALS.index(name), draw])
-            recording = driven(beliefs[name], truths[name].values, plan.holds, rng)
-            decision = diagnose([recording], without=others).decision
+            values = truths[name].values
+            recordings = [played(beliefs[name], values, plan.holds, rng)]
+            if not asked.alone:
+                recordings += [driven_again(beliefs[name], values, lap, rng) for lap in laps]
+            decision = diagnose(recordings, without=others).decision
             said = set().union(*[set(known.among) for known in decision.named]) & set(RIVALS)
             right += said == {name}
             if said != {name}:

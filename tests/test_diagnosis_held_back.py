@@ -8,6 +8,7 @@ from fsm_calib.diagnosis.candidates.held_back import MOST, motors_to_try, strong
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording, RobotFacts
 from fsm_calib.world2d.effects import registry
@@ -68,6 +69,14 @@ def test_motors_are_tried_up_to_those_of_a_robot_that_is_as_fast_as_stated(weak)
 def test_an_ordinary_robots_motors_are_not_doubted():
     engine = engine_of(recording())
     assert motors_to_try(engine.simulators, fit_base(engine).values) == []
+
+
+def test_beside_an_effect_motors_may_be_weak(weak):
+    engine, base = weak
+    controlled = with_values(base.values, {"speed_controller.hold": 5.0})
+    lifted = with_values(base.values, {"motor_deadband.offset": -0.8})
+    assert motors_to_try(engine.simulators, controlled) == motors_to_try(engine.simulators, base.values)
+    assert motors_to_try(engine.simulators, lifted) == []
 
 
 def test_both_motors_and_the_strength_grow(weak):

@@ -30,10 +30,13 @@ LARGER = (1.0, 2.0, 4.0, 8.0)
 def motors_to_try(simulators: Sequence[Simulator], values: FloatArray) -> list[float]:
     """Return by how much [1] motors are to be stronger than those of a base robot (R, p); none where it is not weak.
 
-    Measured wheels have no motor before them.
+    Measured wheels have no motor before them. Beside an effect motors may be weak because it is strong: those of a
+    driver that lifts small commands have a quarter of their stated speed.
     """
     stated, now = simulators[0].full_speed, float(values[0, _gains()].mean())
-    if simulators[0].measured_input or now >= WEAK * stated:
+    active = parameter_table().active_effects(values[0])
+    explained = any(registry()[name].family != "base" for name in active)
+    if simulators[0].measured_input or explained or now >= WEAK * stated:
         return []
     return [2.0**i for i in range(1, 8) if 2.0**i * now <= MOST * stated]
 
