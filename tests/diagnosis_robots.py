@@ -21,6 +21,7 @@ GAIN_LEFT, GAIN_RIGHT = 0.66, 0.61  # m/s
 POSITION_NOISE, HEADING_NOISE = 0.002, 0.006  # m, rad
 RATE = 15.0  # Hz
 START = (0.1, -0.1, 0.4)  # m, m, rad
+FACTS = RobotFacts(name="simulated", wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=20.0)
 ENCODER_RATE, TICK = 60.0, 2.0 * np.pi / 1600.0  # Hz, rad
 
 
@@ -65,7 +66,7 @@ def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, jitter=0.0, **changes
     poses = predict(robot(**changes), driven, stamps, START).poses
     poses = poses + noise * rng.normal(size=poses.shape) * [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE]
     return Recording(
-        robot=RobotFacts(name="simulated", wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=20.0),
+        robot=FACTS,
         command=CommandTrack(commands.time, commands.left, commands.right),
         pose=PoseTrack(stamps, *poses.T),
         source=f"drive-{seed}",

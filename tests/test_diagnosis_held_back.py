@@ -2,19 +2,19 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import START, engine_of, fitted_number, recording, robot
+from diagnosis_robots import FACTS, START, engine_of, fitted_number, recording, robot
 
 from fsm_calib.diagnosis.candidates.held_back import MOST, motors_to_try, stronger
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.design.foresight import drive_of
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
-from fsm_calib.recording.recording import Recording, RobotFacts
+from fsm_calib.recording.recording import Recording
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
 from fsm_calib.world2d.parameters import parameter_table
-from fsm_calib.world2d.rollout import Drive
 
 REST = (0.6, 0.0, 0.0)
 TURNS = (
@@ -26,19 +26,12 @@ TURNS = (
 
 def turning(rng, **changes):
     """Return a recording of a `robot` with `changes` that hardly does anything but turn."""
-    seconds, left, right = np.array(TURNS).T
-    time = np.concatenate([[0.0, 0.2], 0.2 + np.cumsum(seconds)])
-    left, right = (np.concatenate([[0.0], levels, [0.0]]) for levels in (left, right))
-    stamps = np.arange(0.0, time[-1], 1.0 / 15.0)
-    poses = predict(robot(**changes), Drive(time, left, right), stamps, START).poses
+    drive, end = drive_of(TURNS)
+    stamps = np.arange(0.0, end, 1.0 / 15.0)
+    poses = predict(robot(**changes), drive, stamps, START).poses
     poses = poses + rng.normal(size=poses.shape) * [0.001, 0.001, 0.003]
-    facts = RobotFacts(name="simulated", wheel_radius=0.0318, axle_length=0.1, max_wheel_rate=20.0)
-    return Recording(
-        robot=facts,
-        command=CommandTrack(time, left, right),
-        pose=PoseTrack(stamps, *poses.T),
-        source="turns",
-    )
+    command = CommandTrack(drive.time, drive.left, drive.right)
+    return Recording(robot=FACTS, command=command, pose=PoseTrack(stamps, *poses.T), source="turns")
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +76,7 @@ def test_both_motors_and_the_strength_grow(weak):
     _, base = weak
     form = Hypothesis("tyre_scrub", ("moment",), closure="usual tread")
     tried = stronger(base.values, form, [{"tyre_scrub.moment": 0.01}], [4.0])
-    gains = {(fitted_number(base, f"gain_{side}") * 4.0) for side in ("left", "right")}
+    gains = {fitted_number(base, f"gain_{side}") * 4.0 for side in ("left", "right")}
     place = parameter_table().place
     assert {float(v[0, place(f"gain_{side}")]) for v in tried for side in ("left", "right")} == gains
     sizes = [float(v[0, place("tyre_scrub.moment")]) for v in tried]

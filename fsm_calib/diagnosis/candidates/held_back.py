@@ -13,6 +13,7 @@ of 0.27 N m under a Duckiebot in 26 s of spins and slaloms: 188 units of evidenc
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from itertools import product
 
@@ -38,7 +39,8 @@ def motors_to_try(simulators: Sequence[Simulator], values: FloatArray) -> list[f
     explained = any(registry()[name].family != "base" for name in active)
     if simulators[0].measured_input or explained or now >= WEAK * stated:
         return []
-    return [2.0**i for i in range(1, 8) if 2.0**i * now <= MOST * stated]
+    doublings = int(math.log2(MOST * stated / now))
+    return [2.0**i for i in range(1, doublings + 1)]
 
 
 def stronger(

@@ -201,12 +201,13 @@ class Bank:
         effect = registry()[hypothesis.effect]
         choices = declared_starts(hypothesis, self._measured(effect))
         few = self.distinct.get(hypothesis, range(len(choices)))
-        probes = dict(zip(few, self.prober.probes(hypothesis, [choices[i] for i in few]), strict=True))
+        first = [choices[i] for i in few]
+        probes = dict(zip(few, self.prober.probes(hypothesis, first), strict=True))
         if hypothesis not in self.distinct:
             self.distinct[hypothesis] = distinct_of(list(probes.values()))
         unmoved = self.prober.probes(hypothesis, single_steps(hypothesis, choices))
         declared = [probe.declared.promise for probe in probes.values()]
-        held_back = self.prober.held_back(hypothesis, [choices[i] for i in few], max([0.0, *declared]))
+        held_back = self.prober.held_back(hypothesis, first, max([0.0, *declared]))
         promised = [OPTIMISM * self.prober.reach([*probes.values(), *unmoved]), *declared]
         promised += [start.promise for start in held_back]
         if max(promised) < hope and (self.scanner.worth or starts_move_all(hypothesis)):

@@ -117,14 +117,15 @@ class Prober:
     def held_back(self, hypothesis: Hypothesis, choices: Sequence[Changes], promised: float) -> list[Start]:
         """Return the best start with stronger motors than a weak parent's, where it promises more than `promised`."""
         motors = motors_to_try(self.simulators, self.parent.values)
-        tried = stronger(self.parent.values, hypothesis, choices, motors)
-        gains = [
-            float(gain)
-            for i in range(0, len(tried), AT_A_TIME)
-            for gain in self._gains(self._white(tried[i : i + AT_A_TIME]))
-        ]
-        best = max(range(len(tried)), key=gains.__getitem__, default=None)
-        return [] if best is None or gains[best] <= promised else [Start(tried[best], gains[best])]
+        tried = self._started(stronger(self.parent.values, hypothesis, choices, motors))
+        best = max(tried, key=lambda start: start.promise, default=None)
+        return [] if best is None or best.promise <= promised else [best]
+
+    def _started(self, tried: Sequence[FloatArray]) -> list[Start]:
+        """Return starts at several parameters (R, p), with what each wins as it stands."""
+        parts = [tried[i : i + AT_A_TIME] for i in range(0, len(tried), AT_A_TIME)]
+        gains = [float(gain) for part in parts for gain in self._gains(self._white(part))]
+        return [Start(values, gain) for values, gain in zip(tried, gains, strict=True)]
 
     def reach(self, probes: Sequence[Probe]) -> float:
         """Return the log-likelihood that any mixture of what some starts change could win, to first order.
@@ -155,9 +156,7 @@ class Prober:
         tried = self.probes(hypothesis, choices) if probes is None else probes
         starts = [probe.declared for probe in tried]
         guessed = sorted((p.scaled for p in tried if p.scaled), key=lambda start: -start.promise)[:CHECKED]
-        if guessed:
-            gains = self._gains(self._white([s.values for s in guessed]))
-            starts += [Start(s.values, float(gain)) for s, gain in zip(guessed, gains, strict=True)]
+        starts += self._started([start.values for start in guessed])
         own = [n for n in hypothesis.names if registry()[hypothesis.effect].parameter(n).per_recording]
         if own and hypothesis.run == ALL_RUNS and len(self.simulators) > 1:
             starts.append(self._mixed(choices))
