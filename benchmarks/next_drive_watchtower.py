@@ -21,8 +21,7 @@ import numpy as np
 from fsm_calib.diagnosis.design.area import Area
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis
 from fsm_calib.diagnosis.design.belief_of import belief_of
-from fsm_calib.diagnosis.design.designer import design
-from fsm_calib.diagnosis.design.designer import played as wishes_of
+from fsm_calib.diagnosis.design.designer import design, played
 from fsm_calib.diagnosis.design.foresight import Holds, drive_of
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.recording import read_recording
@@ -37,7 +36,7 @@ RIVALS = ("motor_deadband", "tyre_scrub", "caster_drag")
 STEP = 0.01
 
 
-def played(belief: Belief, values: FloatArray, holds: Holds, rng: np.random.Generator) -> Recording:
+def planned(belief: Belief, values: FloatArray, holds: Holds, rng: np.random.Generator) -> Recording:
     """Return the planned drive of a robot with `values` (p,), from rest until it rests again."""
     drive, end = drive_of(holds)
     stamps = np.arange(0.0, end + 0.5, 1.0 / belief.frame_rate)
@@ -63,8 +62,8 @@ def seen(
     """Return a drive of a robot with `values` (p,), seen at `stamps` (n,) [s], disturbed and measured with the noise of
     the laps.
     """
-    time = np.arange(min(drive.time[0], stamps[0]), stamps[-1] + 0.5, STEP)
-    states = simulate(values, drive, time, np.zeros(3), dt=STEP)
+    time = np.arange(min(drive.time[0], stamps[0]), max(drive.time[-1] + 1.0, stamps[-1] + STEP), STEP)
+    states = simulate(values, drive, time, (start.x, start.y, start.theta), dt=STEP)
     noise, keep = belief.noise, np.exp(-STEP / belief.noise.memory)
     sizes = np.array([noise.forward, noise.sideways, noise.turning])
     error, errors = sizes * rng.standard_normal(3), np.empty((len(time), 3))
@@ -114,7 +113,7 @@ def main() -> None:
     equal = tuple(replace(truth, probability=1.0 / len(RIVALS)) for truth in truths.values())
     belief = replace(beliefs["tyre_scrub"], hypotheses=equal)
     began = perf_counter()
-    plan = design(belief, Area(), Pose2(), np.random.default_rng(0), wishes_of(40.0))
+    plan = design(belief, Area(), Pose2(), np.random.default_rng(0), played(40.0))
     print(f"designed in {perf_counter() - began:.2f} s: {plan.seconds:.1f} s of driving in 2 x 2 m")
     for way in plan.manoeuvres:
         print(f"  {way.start:5.1f} s  {way.name}")
@@ -127,7 +126,7 @@ def main() -> None:
         for draw in range(asked.draws):
             rng = np.random.default_rng([RIVALS.index(name), draw])
             values = truths[name].values
-            recordings = [played(beliefs[name], values, plan.holds, rng)]
+            recordings = [planned(beliefs[name], values, plan.holds, rng)]
             if not asked.alone:
                 recordings += [driven_again(beliefs[name], values, lap, rng) for lap in laps]
             decision = diagnose(recordings, without=others).decision
