@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from fsm_calib.diagnosis.candidates.commuted import commuted
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
-from fsm_calib.diagnosis.candidates.ranking import LAST_STEPS
 from fsm_calib.diagnosis.candidates.ridge import beyond_the_ridge
+from fsm_calib.diagnosis.fitting.climb import LAST_STEPS, climbed
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 
 POLISH_ROUNDS = 4  # fits and noise in turn
@@ -33,8 +33,7 @@ def _settled(engine: Engine, fit: Fit, noise_names: Sequence[int]) -> Fit:
     """Return a fit and its noise, fitted in turn until neither wins any more."""
     for _ in range(POLISH_ROUNDS):  # one suffices unless the effect carried the base robot far
         before = fit.score
-        fit = engine.fit(fit.values, fit.slots, fit.noise, steps=LAST_STEPS)
-        fit = engine.refit_noise(fit, noise_names, 4)
+        fit = engine.refit_noise(climbed(engine, fit), noise_names, 4)
         if fit.score < before + POLISHED_ENOUGH:
             break
     return fit

@@ -25,6 +25,7 @@ from fsm_calib.diagnosis.candidates.scanned import Plans, scanned
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.begins import begins_of
+from fsm_calib.diagnosis.fitting.climb import climbed
 from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
 from fsm_calib.diagnosis.fitting.side_by_side import Result, Thing, side_by_side
 from fsm_calib.diagnosis.fitting.slot import Slot
@@ -35,7 +36,7 @@ from fsm_calib.diagnosis.shapes.score_tests import residual_of
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
-FIRST_STEPS, LAST_STEPS = 6, 6  # Gauss-Newton steps before and after the noise is fitted again
+FIRST_STEPS = 6  # Gauss-Newton steps before the noise is fitted again
 HOPELESS = 2.0  # log-likelihood units: below, the noise is not fitted again and a fit is given up early
 FAR_BELOW = 0.3  # of the evidence that counts: a fit at its parent's noise that has less is not finished
 NEAR_ENOUGH = 40.0  # evidence below the best within which every fit is finished: rivals are told by their gap
@@ -293,8 +294,7 @@ class Bank:
         known = self.parent.columns
         if fit.score > self.parent.score + FAR:
             known = jacobian(self.engine.simulators, fit.values, self.parent.slots, fit.simulated)
-        fit = self.engine.fit(fit.values, fit.slots, fit.noise, known=known, steps=LAST_STEPS)
-        return self._ranked(ranked.hypothesis, fit)
+        return self._ranked(ranked.hypothesis, climbed(self.engine, fit, known))
 
     def _with_best_choice(self, ranked: Ranked) -> Ranked:
         """Return the best of a fit and of those with other values of its choices, which no derivative leads to.
