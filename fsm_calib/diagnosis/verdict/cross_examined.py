@@ -18,6 +18,7 @@ from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.starts import Start
 from fsm_calib.diagnosis.fitting.base import noise_names, settled
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
 from fsm_calib.diagnosis.proof.form_test import Remainder, contest
 from fsm_calib.diagnosis.proof.gap import gap_between
@@ -75,10 +76,9 @@ def _examined(engine: Engine, selection: Selection, support: Support, less: Fit)
     the noise of the whole, where rivals are fitted.
     """
     fit, effect = selection.fit, support.effect
-    rivals = [
-        RivalGap(r.name, gap_between(engine, fit, r.fit), r.fit)
-        for r in _in_its_place(engine, selection, effect, less)
-    ]
+    found = _in_its_place(engine, selection, effect, less)
+    to_the_end = partial(_rival, engine, fit, less)
+    rivals = list(side_by_side(engine, to_the_end, found, fit, less))
     if effect.name == _led_by(selection):
         company = [RivalGap(r.name, gap_between(engine, fit, other), other) for r, other in selection.beside]
         said = {r.name for r in company}
@@ -115,25 +115,29 @@ def _in_its_place(engine: Engine, selection: Selection, effect: Ranked, less: Fi
         key=lambda r: (r.name not in nearest, -r.evidence),
     )[:TRIED_AGAIN]
     bank, beside = Bank.on(engine, less), switched_off(selection.fit.values, [effect.name])
-    tried = bank.side_by_side(partial(_tried, bank, beside, selection.fit), asked)
+    tried = bank.side_by_side(partial(_tried, bank, beside), asked)
     return [r for r in tried if r.evidence > 0.0]
 
 
-def _tried(bank: Bank, beside: FloatArray, whole: Fit, rival: Ranked) -> Ranked:
-    """Return a rival as it fits best: with all others as they are beside the effect, and from scratch.
-
-    One that may come near the whole model is fitted to its end as that was, all noise with it.
+def _rival(engine: Engine, whole: Fit, less: Fit, rival: Ranked) -> RivalGap:
+    """Return how much a rival lacks; one that may come near the whole is fitted to its end as that was, all noise
+    with it.
     """
+    gap = gap_between(engine, whole, rival.fit)
+    if gap.probability > OUT_OF_REACH:
+        return RivalGap(rival.name, gap, rival.fit)
+    ended = polished(engine, rival, less, noise_names(engine.simulators)).fit
+    return RivalGap(rival.name, gap_between(engine, whole, ended), ended)
+
+
+def _tried(bank: Bank, beside: FloatArray, rival: Ranked) -> Ranked:
+    """Return a rival as it fits best: with all others as they are beside the effect, and from scratch."""
     found = [bank.fit(rival.hypothesis, _start(beside, rival))]
     if registry()[rival.name].scan:
         found.append(bank.fit(rival.hypothesis, _start(bank.parent.values, rival)))
     else:
         found += [r for r in [bank.best_of(registry()[rival.name])] if r is not None]
-    best = max(found, key=lambda r: r.fit.score)
-    engine = bank.engine
-    if gap_between(engine, whole, best.fit).probability > OUT_OF_REACH:
-        return best
-    return polished(engine, best, bank.parent, noise_names(engine.simulators))
+    return max(found, key=lambda r: r.fit.score)
 
 
 def _start(values: FloatArray, rival: Ranked) -> Start:
