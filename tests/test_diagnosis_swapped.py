@@ -27,14 +27,19 @@ def test_rolling_resistance_takes_the_place_of_a_dragging_caster_beside_it():
     assert fit.score > joining.fit.score
 
 
+def _polished(selector, parent, name):
+    """Return an effect on top of a parent, fitted to its end as the selector fits those that lead."""
+    return selector._polish([Bank.on(selector.engine, parent).best_of(registry()[name])], parent)[0]
+
+
 def test_the_rivals_asked_are_those_of_the_round_that_an_effect_won():
     """A nap that joined second and stands first, being stronger, gives way to the slope of its own round."""
     true = {"coulomb_friction__friction": 0.01, "floor_tilt__slope_x": 0.02, "command_delay__delay": 0.1}
     engine = engine_of(*(recording(seed, **true) for seed in (0, 1)))
     selector = Selector(engine, fit_base(engine), [], 14.0, 0.01, 4, np.random.default_rng(0))
-    friction = Bank.on(engine, selector.base).best_of(registry()["coulomb_friction"])
-    nap, tilt = (Bank.on(engine, friction.fit).best_of(registry()[n]) for n in ("carpet_nap", "floor_tilt"))
-    joining = Bank.on(engine, nap.fit).best_of(registry()["command_delay"])
+    friction = _polished(selector, selector.base, "coulomb_friction")
+    nap, tilt = (_polished(selector, friction.fit, name) for name in ("carpet_nap", "floor_tilt"))
+    joining = _polished(selector, nap.fit, "command_delay")
     rankings = ((friction,), (nap, tilt), (joining,))
     effects, _ = swapped(selector, (nap, friction, joining), joining.fit, rankings)
     assert [e.name for e in effects] == ["floor_tilt", "coulomb_friction", "command_delay"]
