@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fsm_calib.diagnosis.design.foresight import drive_of
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.prepared import prepare
@@ -54,6 +55,16 @@ def speeds(times, levels, grid, **changes):
     """Return the speed [m/s] of a `robot` with `changes` at the times of `grid` on straights at some commands."""
     straights = Drive(np.array(times), levels, levels)
     return simulate(robot(**changes), straights, grid, (0.0, 0.0, 0.0))[:, 3]
+
+
+def driven(holds, rng, noise, **changes):
+    """Return a recording of a `robot` with `changes` that drives `holds`, its poses with `noise` (3,) [m, m, rad]."""
+    planned, end = drive_of(holds)
+    stamps = np.arange(0.0, end, 1.0 / RATE)
+    poses = predict(robot(**changes), planned, stamps, START).poses
+    poses = poses + rng.normal(size=poses.shape) * noise
+    command = CommandTrack(planned.time, planned.left, planned.right)
+    return Recording(robot=FACTS, command=command, pose=PoseTrack(stamps, *poses.T), source="driven")
 
 
 def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, jitter=0.0, **changes):

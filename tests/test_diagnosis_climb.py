@@ -4,20 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import FACTS, START, engine_of, fitted_number, robot
+from diagnosis_robots import driven, engine_of, fitted_number
 
 from fsm_calib.diagnosis.candidates.hypotheses import hypotheses_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.starts import Start
-from fsm_calib.diagnosis.design.foresight import drive_of
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.climb import LAST_STEPS, climbed
 from fsm_calib.diagnosis.fitting.valley import Valley, along_the_valley
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.recording.channels import CommandTrack, PoseTrack
-from fsm_calib.recording.recording import Recording
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.observation import predict
 from fsm_calib.world2d.parameters import parameter_table
 
 LIFT = -0.77
@@ -26,13 +22,8 @@ LAPS = ((1.4, 0.3, 0.3), (0.9, 0.2, 0.45), (1.1, 0.32, 0.27), (0.8, 0.15, 0.5)) 
 
 def laps(rng):
     """Return a recording of laps, always forward, of a robot whose driver lifts every command by far too much."""
-    drive, end = drive_of(LAPS)
-    stamps = np.arange(0.0, end, 1.0 / 15.0)
-    lifted = robot(gain_left=0.19, gain_right=0.182, motor_deadband__offset=LIFT)
-    poses = predict(lifted, drive, stamps, START).poses
-    poses = poses + rng.normal(size=poses.shape) * [0.004, 0.004, 0.01]
-    command = CommandTrack(drive.time, drive.left, drive.right)
-    return Recording(robot=FACTS, command=command, pose=PoseTrack(stamps, *poses.T), source="laps")
+    lifted = {"gain_left": 0.19, "gain_right": 0.182, "motor_deadband__offset": LIFT}
+    return driven(LAPS, rng, [0.004, 0.004, 0.01], **lifted)
 
 
 @pytest.fixture(scope="module")
@@ -79,10 +70,10 @@ def test_a_fit_that_has_settled_takes_no_steps_along_a_valley(begun, monkeypatch
 
 def test_the_bend_of_a_step_is_the_second_difference_of_what_it_leaves(begun):
     valley, numbers = valley_of(begun), begun[1].slot_values()
-    here = valley._stand(numbers)
+    here = valley._at(numbers)
     slope = valley._slope(here)
     straight = valley._step(slope, slope.gradient, 0.1, numbers)
-    ahead, behind = (valley._stand(numbers + share * straight).residual for share in (0.2, -0.2))
+    ahead, behind = (valley._at(numbers + share * straight).residual for share in (0.2, -0.2))
     second = (ahead - 2.0 * here.residual + behind) / 0.2**2
     expected = slope.columns.T @ (slope.weights * second)
     bending = valley._bending(here, slope, straight)

@@ -2,18 +2,14 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import FACTS, START, engine_of, fitted_number, recording, robot
+from diagnosis_robots import driven, engine_of, fitted_number, recording
 
 from fsm_calib.diagnosis.candidates.held_back import MOST, motors_to_try, stronger
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranking import Bank
-from fsm_calib.diagnosis.design.foresight import drive_of
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.recording.channels import CommandTrack, PoseTrack
-from fsm_calib.recording.recording import Recording
 from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.observation import predict
 from fsm_calib.world2d.parameters import parameter_table
 
 REST = (0.6, 0.0, 0.0)
@@ -26,12 +22,7 @@ TURNS = (
 
 def turning(rng, **changes):
     """Return a recording of a `robot` with `changes` that hardly does anything but turn."""
-    drive, end = drive_of(TURNS)
-    stamps = np.arange(0.0, end, 1.0 / 15.0)
-    poses = predict(robot(**changes), drive, stamps, START).poses
-    poses = poses + rng.normal(size=poses.shape) * [0.001, 0.001, 0.003]
-    command = CommandTrack(drive.time, drive.left, drive.right)
-    return Recording(robot=FACTS, command=command, pose=PoseTrack(stamps, *poses.T), source="turns")
+    return driven(TURNS, rng, [0.001, 0.001, 0.003], **changes)
 
 
 @pytest.fixture(scope="module")

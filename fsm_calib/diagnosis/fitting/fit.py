@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsm_calib.diagnosis.fitting.newton import clipped, damped_step, log_prior, normal_equations, promised
-from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot, slot_numbers, with_slots
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot, slot_bounds, slot_numbers, with_slots
 from fsm_calib.diagnosis.likelihood.noise import JITTER, Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener, fit_noise, log_density
 from fsm_calib.diagnosis.replay.simulator import Simulator
@@ -93,7 +93,7 @@ class Fit:
 
     def slot_bounds(self) -> FloatArray:
         """Return the lowest and the highest numbers that the slots may have, shape (2, m)."""
-        return np.array([(slot.low, slot.high) for slot in self.slots]).T
+        return slot_bounds(self.slots)
 
     def numbers(self) -> Iterator[tuple[Slot, float, float]]:
         """Yield each slot with its number and the variance of it."""
@@ -275,7 +275,7 @@ class Engine:
         the fit is given up; linear : the model is nearly linear here, so that what a step promises may end it at once.
         """
         slots, whiteners = tuple(slots), self.whiteners(noise)
-        here = self._point(whiteners, values, slots, slot_numbers(values, slots))
+        here = self.point(whiteners, values, slots, slot_numbers(values, slots))
         fixed = self.white_known(whiteners, known) if known and known[0].shape[2] else None
         first = 0 if fixed is None else fixed.shape[1]
         normal = np.eye(len(slots))
@@ -309,7 +309,7 @@ class Engine:
         parts = (raw,) if shared is None else (shared, raw)
         return Fit(here.values, slots, noise, here.score - prior, prior, covariance, here.simulated, parts)
 
-    def _point(
+    def point(
         self, whiteners: Sequence[Whitener], values: FloatArray, slots: Sequence[Slot], numbers: FloatArray
     ) -> Point:
         """Return what a fit knows at `values` (R, p), whose slots hold `numbers` (m,)."""
@@ -331,7 +331,7 @@ class Engine:
         """
         for _ in range(DAMPED):
             tried = damped_step(*equations, damping, slots, here.numbers)
-            there = self._point(whiteners, with_slots(here.values, slots, tried), slots, tried)
+            there = self.point(whiteners, with_slots(here.values, slots, tried), slots, tried)
             if there.score > here.score:
                 return there, max(damping * 0.1, LEAST_DAMPING)
             damping = max(damping * 30.0, 1e-3)

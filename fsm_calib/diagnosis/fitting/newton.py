@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fsm_calib.diagnosis.fitting.slot import Slot
+from fsm_calib.diagnosis.fitting.slot import Slot, slot_bounds
 from fsm_calib.diagnosis.likelihood.robust import robust_weights
 from fsm_calib.types import FloatArray
 
@@ -43,8 +43,7 @@ def damped_step(
     normal: FloatArray, gradient: FloatArray, damping: float, slots: Sequence[Slot], numbers: FloatArray
 ) -> FloatArray:
     """Return the numbers after one damped step inside the bounds; what a bound stops is taken out."""
-    low = np.array([slot.low for slot in slots])
-    high = np.array([slot.high for slot in slots])
+    low, high = slot_bounds(slots)
     free = ~(((numbers <= low) & (gradient < 0)) | ((numbers >= high) & (gradient > 0)))
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-12))
     step = np.zeros(len(numbers))

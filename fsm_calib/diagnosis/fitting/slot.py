@@ -34,6 +34,11 @@ def slot_numbers(values: FloatArray, slots: Sequence[Slot]) -> FloatArray:
     return np.array([values[max(slot.run, 0), slot.place] for slot in slots])
 
 
+def slot_bounds(slots: Sequence[Slot]) -> FloatArray:
+    """Return the lowest and the highest numbers that slots may have, shape (2, m)."""
+    return np.array([(slot.low, slot.high) for slot in slots]).reshape(-1, 2).T
+
+
 def with_slots(values: FloatArray, slots: Sequence[Slot], numbers: FloatArray) -> FloatArray:
     """Return a copy of `values` (R, p) with `numbers` (m,) in the slots."""
     changed = values.copy()

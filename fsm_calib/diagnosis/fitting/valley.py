@@ -20,9 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsm_calib.diagnosis.fitting.fit import SMALL_GAIN, Engine, Fit, jacobian, simulate_all
-from fsm_calib.diagnosis.fitting.newton import damped_step, log_prior, normal_equations
-from fsm_calib.diagnosis.fitting.slot import Slot, with_slots
+from fsm_calib.diagnosis.fitting.fit import SMALL_GAIN, Engine, Fit, Point, jacobian
+from fsm_calib.diagnosis.fitting.newton import damped_step, normal_equations
+from fsm_calib.diagnosis.fitting.slot import Slot, slot_bounds, with_slots
 from fsm_calib.diagnosis.likelihood.robust import Whitener, robust_weights
 from fsm_calib.types import FloatArray
 
@@ -32,16 +32,6 @@ BEND = 0.75  # of a step: one that bends more is too long
 FIRST_DAMPING, LEAST_DAMPING = 1e-3, 1e-7  # of the normal equations' diagonal
 SHORTER, LONGER = 5.0, 0.1  # times the damping after a step that fails, or leads higher
 TRIED = 8  # steps that are tried from a point, each shorter than the one before
-
-
-@dataclass(frozen=True, eq=False)
-class Stand:
-    """Where the climb stands: free numbers (m,), what they simulate, what that leaves (N,), and the score."""
-
-    numbers: FloatArray
-    simulated: tuple[FloatArray, ...]
-    residual: FloatArray
-    score: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +55,7 @@ class Valley:
 
     def climb(self, numbers: FloatArray) -> FloatArray:
         """Return the highest numbers (m,) that are reached from `numbers`."""
-        here, damping = self._stand(numbers), FIRST_DAMPING
+        here, damping = self._at(numbers), FIRST_DAMPING
         for _ in range(STEPS):
             there, damping = self._higher(here, self._slope(here), damping)
             gain, here = there.score - here.score, there
@@ -73,28 +63,25 @@ class Valley:
                 break
         return here.numbers
 
-    def _stand(self, numbers: FloatArray) -> Stand:
+    def _at(self, numbers: FloatArray) -> Point:
         values = with_slots(self.values, self.slots, numbers)
-        simulated = simulate_all(self.engine.simulators, values)
-        residual, likelihood = self.engine.judged(self.whiteners, simulated)
-        return Stand(numbers, simulated, residual, likelihood + log_prior(self.slots, numbers))
+        return self.engine.point(self.whiteners, values, self.slots, numbers)
 
-    def _slope(self, here: Stand) -> Slope:
-        values = with_slots(self.values, self.slots, here.numbers)
-        raw = jacobian(self.engine.simulators, values, self.slots, here.simulated)
+    def _slope(self, here: Point) -> Slope:
+        raw = jacobian(self.engine.simulators, here.values, self.slots, here.simulated)
         columns = self.engine.white_columns(self.whiteners, raw)
         nu = self.engine.nu
         normal, gradient = normal_equations(columns, here.residual, self.slots, here.numbers, nu)
         return Slope(columns, robust_weights(here.residual, nu), normal, gradient)
 
-    def _higher(self, here: Stand, slope: Slope, damping: float) -> tuple[Stand, float]:
+    def _higher(self, here: Point, slope: Slope, damping: float) -> tuple[Point, float]:
         """Return the first higher point along steps that are shorter and shorter, and the next damping."""
-        low, high = np.array([(slot.low, slot.high) for slot in self.slots]).T
+        low, high = slot_bounds(self.slots)
         for _ in range(TRIED):
             straight = self._step(slope, slope.gradient, damping, here.numbers)
             bend = self._step(slope, self._bending(here, slope, straight), damping, here.numbers)
             if 2.0 * _length(bend, slope) <= BEND * _length(straight, slope):
-                there = self._stand(np.clip(here.numbers + straight + 0.5 * bend, low, high))
+                there = self._at(np.clip(here.numbers + straight + 0.5 * bend, low, high))
                 if there.score > here.score:
                     return there, max(damping * LONGER, LEAST_DAMPING)
             damping *= SHORTER
@@ -103,9 +90,9 @@ class Valley:
     def _step(self, slope: Slope, gradient: FloatArray, damping: float, numbers: FloatArray) -> FloatArray:
         return damped_step(slope.normal, gradient, damping, self.slots, numbers) - numbers
 
-    def _bending(self, here: Stand, slope: Slope, straight: FloatArray) -> FloatArray:
+    def _bending(self, here: Point, slope: Slope, straight: FloatArray) -> FloatArray:
         """Return J'W r2 (m,): the gradient of what a straight step changes to second order."""
-        ahead = self._stand(here.numbers + AHEAD * straight)
+        ahead = self._at(here.numbers + AHEAD * straight)
         second = (2.0 / AHEAD) * ((ahead.residual - here.residual) / AHEAD + slope.columns @ straight)
         return np.asarray(slope.columns.T @ (slope.weights * second))
 

@@ -76,14 +76,12 @@ def _examined(engine: Engine, selection: Selection, support: Support, less: Fit)
     the noise of the whole, where rivals are fitted.
     """
     fit, effect = selection.fit, support.effect
-    found = _in_its_place(engine, selection, effect, less)
-    to_the_end = partial(_rival, engine, fit, less)
-    rivals = list(side_by_side(engine, to_the_end, found, fit, less))
-    if effect.name == _led_by(selection):
-        company = [RivalGap(r.name, gap_between(engine, fit, other), other) for r, other in selection.beside]
-        said = {r.name for r in company}
-        rivals = [r for r in rivals if r.name not in said] + company
-    ordered = tuple(sorted(rivals, key=lambda rival: rival.gap.evidence))
+    beside = selection.beside if effect.name == _led_by(selection) else ()
+    company = [RivalGap(r.name, gap_between(engine, fit, other), other) for r, other in beside]
+    said = {r.name for r in company}
+    found = [r for r in _in_its_place(engine, selection, effect, less) if r.name not in said]
+    rivals = side_by_side(engine, partial(_rival, engine, fit, less), found, fit, less)
+    ordered = tuple(sorted([*rivals, *company], key=lambda rival: rival.gap.evidence))
     return replace(support, rivals=ordered, law=one_law(engine, less, fit, effect.name))
 
 
