@@ -360,7 +360,7 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     )  # type: ignore[arg-type]
     supports = tuple(support() for _ in beliefs)
     model = plain_model(effects=tuple(range(len(beliefs))), supports=supports, beliefs=beliefs)
-    monkeypatch.setattr(decide, "fit_whole_base", lambda engine, effects: SimpleNamespace(values=()))
+    monkeypatch.setattr(decide, "fit_whole_base", lambda engine, effects, banks: SimpleNamespace(values=()))
     monkeypatch.setattr(decide, "situations_of", lambda simulators, values: ())
     monkeypatch.setattr(decide, "locate", lambda *given: SimpleNamespace(p_value=1.0))
     monkeypatch.setattr(decide, "Selector", lambda *given, **named: selector)

@@ -10,6 +10,7 @@ from diagnosis_robots import engine_of, fitted_number, recording
 
 from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.candidates.late_sight import LAG, with_late_sight
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.candidates.speed_loop import with_speed_loop
 from fsm_calib.diagnosis.candidates.supply_end import CEILING, with_supply_end
 from fsm_calib.diagnosis.candidates.supply_end import LOOP as LOOP_GAIN
@@ -63,9 +64,9 @@ def test_a_controller_that_sees_at_once_has_none():
 def test_a_supply_that_ends_behind_it_leaves_the_loop_one_gain():
     both = {**SEEING, "speed_controller__ceiling": 1.2}
     engine = engine_of(*(recording(seed, **both) for seed in (0, 1)))
-    late = with_late_sight(engine, with_speed_loop(engine, fit_base(engine), []), [])
+    late = with_late_sight(engine, with_speed_loop(engine, fit_base(engine), Rivals([])), Rivals([]))
     assert found_free(late, LAG)
-    fit = with_supply_end(engine, late, [])
+    fit = with_supply_end(engine, late, Rivals([]))
     assert found_free(fit, CEILING)
     assert len(found_free(fit, LOOP_GAIN)) == 1
 

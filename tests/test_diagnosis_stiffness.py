@@ -7,6 +7,7 @@ import pytest
 from diagnosis_robots import drive, engine_of, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.free_number import found_free, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, stiffness_told, with_stiffness
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import fit_base, slot_of
@@ -50,14 +51,14 @@ def test_unlike_motors_are_told_in_a_sentence(unlike):
 def test_equal_motors_have_no_such_number():
     engine = engine_with()
     base = fit_base(engine)
-    held = with_stiffness(engine, base, list(registry().values()))
+    held = with_stiffness(engine, base, Rivals(list(registry().values())))
     assert stiffness_of(held) is None
     assert not stiffness_told(held)
 
 
 def test_a_load_beside_the_axle_keeps_the_number_held():
     engine = engine_with(payload_offset__y=0.02)
-    held = with_stiffness(engine, fit_base(engine), list(registry().values()))
+    held = with_stiffness(engine, fit_base(engine), Rivals(list(registry().values())))
     assert stiffness_of(held) is None
 
 
@@ -115,7 +116,11 @@ def test_the_robots_own_number_takes_the_place_of_one_like_it_where_both_do_as_w
         return with_free(engine, fit, [slot], (0.02,)) if fit is base else fit
 
     found = unless_stood_in(
-        engine, base, freed, [registry()["payload_offset"]], lambda rival: rival.fit if as_good else base
+        engine,
+        base,
+        freed,
+        Rivals([registry()["payload_offset"]]),
+        lambda rival: rival.fit if as_good else base,
     )
     assert bool(found_free(found, STIFFNESS)) is as_good
 
@@ -129,5 +134,5 @@ def test_noise_that_is_fitted_again_is_no_evidence_of_the_number_beside_it():
     slot = slot_of(STIFFNESS)
     freed = with_free(engine, loose, [slot], (0.02,))
     assert freed.score > loose.score + 100.0
-    found = unless_stood_in(engine, loose, lambda fit: with_free(engine, fit, [slot], (0.02,)), [])
+    found = unless_stood_in(engine, loose, lambda fit: with_free(engine, fit, [slot], (0.02,)), Rivals([]))
     assert found is loose

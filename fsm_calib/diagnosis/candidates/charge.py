@@ -10,19 +10,17 @@ than another, and does the whole job.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from fsm_calib.diagnosis.candidates.free_number import SURE, found_free, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
-from fsm_calib.world2d.effects import Effect
 
 NAME = "charge"
 TOLD = 0.01  # share of the speed from which on a drive's charge is told
 
 
-def with_charges(engine: Engine, base: Fit, rivals: Iterable[Effect]) -> Fit:
+def with_charges(engine: Engine, base: Fit, rivals: Rivals) -> Fit:
     """Return the base with a charge for every drive but the first, where these have strong evidence.
 
     rivals : effects that are asked whether one does as well.

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
-from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import Slot, with_slots
 from fsm_calib.diagnosis.fitting.wald import wald
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.parameters import parameter_table
 
 STEPS = 8
@@ -62,7 +61,7 @@ def unless_stood_in(
     engine: Engine,
     base: Fit,
     freed: Callable[[Fit], Fit],
-    rivals: Iterable[Effect],
+    rivals: Rivals,
     instead: Callable[[Ranked], Fit | None] = lambda rival: None,
 ) -> Fit:
     """Return the base with a number free that has strong evidence, also beside the rival that explains more.
@@ -77,7 +76,7 @@ def unless_stood_in(
     evidence = evidence_of_freed(engine, free, base)
     if evidence < NEEDED:
         return base
-    ranking = Bank.on(engine, base).rank(rivals)
+    ranking = rivals.ranked_on(engine, base)
     if not ranking or ranking[0].evidence <= evidence:
         return free
     rival = ranking[0].fit

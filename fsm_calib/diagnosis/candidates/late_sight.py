@@ -8,20 +8,18 @@ commands, a mass two centimetres off its place or a scrubbing tyre, each of them
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from fsm_calib.diagnosis.candidates.free_number import SURE, found_free, unless_stood_in
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.candidates.speed_loop import HOLD
 from fsm_calib.diagnosis.candidates.supply_end import with_number_of_loop
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.speed_controller import EFFECT
 
 LAG = f"{EFFECT.name}.lag"
 
 
-def with_late_sight(engine: Engine, base: Fit, rivals: Iterable[Effect]) -> Fit:
+def with_late_sight(engine: Engine, base: Fit, rivals: Rivals) -> Fit:
     """Return a base that holds its wheels' speeds with what its loop sees late, where that has strong evidence.
 
     The loop's gain is set free with it where it is not yet.

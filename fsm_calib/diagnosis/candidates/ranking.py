@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.asked import Answers, Asked, Distinct
 from fsm_calib.diagnosis.candidates.extended import beyond
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
@@ -27,6 +28,7 @@ from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.begins import begins_of
 from fsm_calib.diagnosis.fitting.climb import climbed
 from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
+from fsm_calib.diagnosis.fitting.nested import nothing_found
 from fsm_calib.diagnosis.fitting.side_by_side import Result, Thing, side_by_side
 from fsm_calib.diagnosis.fitting.slot import Slot
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
@@ -42,21 +44,9 @@ FAR_BELOW = 0.3  # of the evidence that counts: a fit at its parent's noise that
 NEAR_ENOUGH = 40.0  # evidence below the best within which every fit is finished: rivals are told by their gap
 FAR = 20.0  # log-likelihood units won: the base has moved, and its columns are computed again
 NESTING_SLACK = 1e-6
-
 AHEAD = 4  # effects a process that are asked at a time
 
 Progress = Callable[[str], None]
-Distinct = dict[Hypothesis, list[int]]
-
-
-@dataclass(frozen=True, eq=False)
-class Asked:
-    """What an effect has begun, which of its forms promise too little, and the starts that are distinct, if new."""
-
-    name: str
-    begun: tuple[Ranked, ...]
-    left: tuple[Hypothesis, ...]
-    distinct: Distinct
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +55,7 @@ class Bank:
 
     distinct : which declared starts of a form change the drives in a way of their own. Found where the form is first
     tried; it hangs on the drives and hardly on the model, so it serves for later ones, too.
+    On the base robot no answer hangs on what else is asked: each is kept, and given again.
     """
 
     engine: Engine
@@ -72,6 +63,7 @@ class Bank:
     prober: Prober
     scanner: Scanner
     distinct: Distinct
+    answers: Answers = field(default_factory=Answers)
 
     @classmethod
     def on(cls, engine: Engine, parent: Fit, wanted: float = 0.0, distinct: Distinct | None = None) -> Bank:
@@ -100,21 +92,39 @@ class Bank:
         is given up early, and asked again in the next. On the base robot all are fitted where one has more evidence
         than `noticed`; where none has, a form that promises nothing has won nothing.
         """
-        asked = self._all_asked(list(effects), progress)
+        asked = self._each_asked(list(effects), progress)
         begun = {answer.name: list(answer.begun) for answer in asked}
         if not self.scanner.worth:
-            fitted = any(ranked.evidence > noticed for found in begun.values() for ranked in found)
-            again = self.side_by_side(self._asked_again, asked) if fitted else map(self._without_gain, asked)
+            if any(ranked.evidence > noticed for found in begun.values() for ranked in found):
+                again = self._each(self._asked_again, asked, self.answers.again)
+            else:
+                again = [self._without_gain(answer) for answer in asked]
             for answer, more in zip(asked, again, strict=True):
                 begun[answer.name] += more
         kept = [kept for found in begun.values() for kept in self._kept(found)]
         near = self._near(kept)
-        finished = iter(self.side_by_side(self._finished, [ranked for ranked in kept if ranked.name in near]))
-        done = [next(finished) if ranked.name in near else ranked for ranked in kept]
+        self._each(self._finished, [r for r in kept if r.name in near], self.answers.finished)
+        done = [self.answers.finished[r] if r.name in near else r for r in kept]
         best: dict[str, Ranked] = {}
         for ranked in sorted(done, key=lambda r: -r.evidence):
             best.setdefault(ranked.name, ranked)
         return list(best.values())
+
+    def _each_asked(self, effects: Sequence[Effect], progress: Progress) -> list[Asked]:
+        """Return what each effect begins; on the base robot, where none hangs on the others, what it began before."""
+        if self.scanner.worth:
+            return self._all_asked(effects, progress)
+        new = [effect for effect in effects if effect.name not in self.answers.begun]
+        self.answers.begun.update((answer.name, answer) for answer in self._all_asked(new, progress))
+        return [self.answers.begun[effect.name] for effect in effects]
+
+    def _each(
+        self, work: Callable[[Thing], Result], things: Sequence[Thing], known: dict[Thing, Result]
+    ) -> list[Result]:
+        """Return what comes of every thing, side by side; what is known is not worked out again."""
+        new = [thing for thing in things if thing not in known]
+        known.update(zip(new, self.side_by_side(work, new), strict=True))
+        return [known[thing] for thing in things]
 
     def _all_asked(self, effects: Sequence[Effect], progress: Progress) -> list[Asked]:
         """Return what each effect begins, each with the hope that those before it leave.
@@ -168,7 +178,9 @@ class Bank:
 
     def _without_gain(self, answer: Asked) -> list[Ranked]:
         """Return the first of the forms that promise nothing, if any, as one that has won nothing."""
-        return [self._ranked(form, self._at_parent(self._slots_with(form))) for form in answer.left[:1]]
+        return [
+            self._ranked(form, nothing_found(self.parent, self._slots_with(form))) for form in answer.left[:1]
+        ]
 
     def _kept(self, begun: Sequence[Ranked]) -> list[Ranked]:
         """Return the best form of an effect and the others that are worth more time."""
@@ -333,18 +345,6 @@ class Bank:
     def _ranked(self, hypothesis: Hypothesis, fit: Fit) -> Ranked:
         """Return the fit with its evidence, at the parent's point where it came out worse."""
         if fit.score < self.parent.score - NESTING_SLACK:
-            fit = self._at_parent(fit.slots)
+            fit = nothing_found(self.parent, fit.slots)
         gain = fit.score - self.parent.score
         return Ranked(hypothesis, fit, evidence_of(fit, self.parent, self.engine.count), gain)
-
-    def _at_parent(self, slots: tuple[Slot, ...]) -> Fit:
-        """Return the parent's point as a point of the larger model: the effect found nothing to explain."""
-        parent = self.parent
-        extra = len(slots) - len(parent.slots)
-        nothing = tuple(np.zeros((*c.shape[:2], extra)) for c in parent.columns)
-        covariance = np.zeros((len(slots), len(slots)))
-        covariance[: len(parent.slots), : len(parent.slots)] = parent.covariance
-        return Fit(
-            parent.values, slots, parent.noise, parent.log_likelihood, parent.log_prior, covariance,
-            parent.simulated, (parent.columns, nothing),
-        )  # fmt: skip

@@ -11,7 +11,6 @@ that does its whole job: a delay of half a second rings in the same way.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import (
@@ -22,10 +21,10 @@ from fsm_calib.diagnosis.candidates.free_number import (
     with_free,
 )
 from fsm_calib.diagnosis.candidates.ranked import evidence_of
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.fitting.base import settled, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import Slot
-from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.speed_controller import EFFECT
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -35,7 +34,7 @@ CLEARLY = 1.05  # times the slowest: what ends at its bound is something else
 START, BARE = 4.0, 0.5  # 1/s; 1: the set point's weight of a controller without feed-forward
 
 
-def with_speed_loop(engine: Engine, base: Fit, rivals: Iterable[Effect]) -> Fit:
+def with_speed_loop(engine: Engine, base: Fit, rivals: Rivals) -> Fit:
     """Return the base with the integral of a speed controller, where that has strong evidence.
 
     rivals : effects that are asked whether one does as well.
@@ -74,7 +73,7 @@ def with_likelier_rest(engine: Engine, fit: Fit) -> Fit:
     return other if evidence_of(other, fit, engine.count) >= NEEDED else fit
 
 
-def with_bare_loop(engine: Engine, fit: Fit, rivals: Iterable[Effect]) -> Fit:
+def with_bare_loop(engine: Engine, fit: Fit, rivals: Rivals) -> Fit:
     """Return a fit with the integral of a controller that has no feed-forward, where that has strong evidence.
 
     Asked beside the first effect: against dry friction such a controller winds up before the wheels turn, so that

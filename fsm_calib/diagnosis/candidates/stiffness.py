@@ -10,14 +10,13 @@ besides.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import SURE, found_free, unless_stood_in, with_free, with_held
 from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.fitting.base import slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.unequal_motors import EFFECT
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -26,12 +25,12 @@ MOST = 0.12  # half of the difference over the mean: two spreads of what motors 
 STARTS = (0.02,)
 
 
-def with_stiffness(engine: Engine, base: Fit, effects: Iterable[Effect]) -> Fit:
+def with_stiffness(engine: Engine, base: Fit, effects: Rivals) -> Fit:
     """Return the base with motors of unequal slopes, where that has strong evidence.
 
     effects : of which those that the effect's file calls its rivals are asked whether one does as well.
     """
-    rivals = [effect for effect in effects if effect.name in EFFECT.rivals]
+    rivals = effects.among(EFFECT.rivals)
     slot = replace(slot_of(STIFFNESS), low=-MOST, high=MOST)
 
     def freed(fit: Fit) -> Fit:

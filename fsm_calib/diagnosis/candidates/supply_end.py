@@ -9,22 +9,22 @@ engines: 1.32, 1.50 and 1.56 of full command (true 1.36, 1.41 and 1.60).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import SURE, found_free, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.candidates.speed_loop import HOLD
 from fsm_calib.diagnosis.fitting.base import settled, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import Slot
-from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.speed_controller import EFFECT
 from fsm_calib.world2d.effects.speed_loop import AMPLE, NEVER
 
 CEILING, LOOP = (f"{EFFECT.name}.{name}" for name in ("ceiling", "loop"))
 
 
-def with_supply_end(engine: Engine, base: Fit, rivals: Iterable[Effect]) -> Fit:
+def with_supply_end(engine: Engine, base: Fit, rivals: Rivals) -> Fit:
     """Return a base that holds its wheels' speeds with an end of the supply, where that has strong evidence.
 
     rivals : effects that are asked whether one does as well.

@@ -13,18 +13,16 @@ is held.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from fsm_calib.diagnosis.candidates.free_number import NEEDED, evidence_of_freed, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.fitting.base import grip_slot, have_encoders, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
-from fsm_calib.world2d.effects import Effect
 
 GRIPS = (0.35, 0.55, 0.9)  # 1: a tyre that hardly slips has no derivative to go by
 RATIOS = (0.1,)  # 1: nor has a ratio of 0
 
 
-def with_tyres(engine: Engine, base: Fit, places: Iterable[Effect]) -> Fit:
+def with_tyres(engine: Engine, base: Fit, places: Rivals) -> Fit:
     """Return the base with the grip and the slip ratio of its tyres free where each has strong evidence.
 
     places : effects of single places, which are asked whether they do as well as another grip.

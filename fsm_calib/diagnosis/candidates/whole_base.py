@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fsm_calib.diagnosis.candidates.charge import with_charges
 from fsm_calib.diagnosis.candidates.jitter import with_jitter
 from fsm_calib.diagnosis.candidates.late_sight import with_late_sight
+from fsm_calib.diagnosis.candidates.rivals import Banks, Rivals
 from fsm_calib.diagnosis.candidates.speed_loop import with_speed_loop
 from fsm_calib.diagnosis.candidates.stiffness import with_stiffness
 from fsm_calib.diagnosis.candidates.supply_end import with_supply_end
@@ -16,13 +17,17 @@ from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.world2d.effects import Effect
 
 
-def fit_whole_base(engine: Engine, effects: Sequence[Effect]) -> Fit:
-    """Fit the base robot; `effects` are what may do by itself what a number that is set free does."""
+def fit_whole_base(engine: Engine, effects: Sequence[Effect], banks: Banks | None = None) -> Fit:
+    """Fit the base robot; `effects` are what may do by itself what a number that is set free does.
+
+    banks : where what they answered is kept, for who asks again on the same base.
+    """
+    banks = Banks() if banks is None else banks
     base = fit_base(engine)
     if engine.simulators[0].measured_input:
         return base
-    lasting = [e for e in effects if not e.scan]
+    lasting = Rivals([e for e in effects if not e.scan], banks)
     looped = with_supply_end(engine, with_speed_loop(engine, base, lasting), lasting)
     held = with_jitter(engine, with_late_sight(engine, looped, lasting))
     charged = with_charges(engine, with_stiffness(engine, held, lasting), lasting)
-    return with_tyres(engine, charged, [e for e in effects if e.scan == "place"])
+    return with_tyres(engine, charged, Rivals([e for e in effects if e.scan == "place"], banks))

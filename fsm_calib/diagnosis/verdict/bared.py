@@ -7,13 +7,14 @@ torque falls 7 % less with speed than the other's, for which a mass 10 mm beside
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.candidates.late_sight import LAG, with_late_sight
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.rivals import Banks, Rivals
 from fsm_calib.diagnosis.candidates.speed_loop import (
     HOLD,
     with_bare_loop,
@@ -24,10 +25,9 @@ from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, with_stiffness
 from fsm_calib.diagnosis.candidates.supply_end import CEILING, with_supply_end
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.verdict.selection import Selector
-from fsm_calib.world2d.effects import Effect
 
 Found = tuple[Selector, Bank, list[Ranked]]
-Freeing = Callable[[Engine, Fit, Iterable[Effect]], Fit]
+Freeing = Callable[[Engine, Fit, Rivals], Fit]
 
 NUMBERS: tuple[tuple[str, Freeing], ...] = (
     (HOLD, with_speed_loop),
@@ -41,19 +41,21 @@ NUMBERS: tuple[tuple[str, Freeing], ...] = (
 
 def ranked_if_bared(selector: Selector, bank: Bank, ranking: list[Ranked]) -> Found:
     """Return selector, bank and ranking on a base with the numbers that the first effect shows; else all as given."""
-    found = selector, bank, ranking
+    found, banks = (selector, bank, ranking), Banks()
     for name, freeing in NUMBERS:
-        found = _ranked_with(*found, name, freeing)
+        found = _ranked_with(*found, name, freeing, banks)
     return _ranked_as_it_rests(*found)
 
 
-def _ranked_with(selector: Selector, bank: Bank, ranking: list[Ranked], name: str, freeing: Freeing) -> Found:
+def _ranked_with(
+    selector: Selector, bank: Bank, ranking: list[Ranked], name: str, freeing: Freeing, banks: Banks
+) -> Found:
     """Return all on a base with a number set free, where the recordings ask for it beside the first effect."""
     leader, measured = _leader(selector, ranking), selector.engine.simulators[0].measured_input
     if leader is None or measured or found_free(selector.base, name):
         return selector, bank, ranking
     others = [effect for effect in selector.catalogue if effect.name != leader.name and not effect.scan]
-    freed = freeing(selector.engine, leader.fit, others)
+    freed = freeing(selector.engine, leader.fit, Rivals(others, banks))
     return _anew(selector, freed, leader) if found_free(freed, name) else (selector, bank, ranking)
 
 

@@ -14,6 +14,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.rivals import Banks
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.gap import TOLD_APART
@@ -115,7 +116,8 @@ class Judge:
         """Ask everything that was measured."""
         self.progress("base robot")
         with self.part("base"):
-            base = fit_whole_base(self.engine, self.effects)
+            banks = Banks()
+            base = fit_whole_base(self.engine, self.effects, banks)
         with self.part("locate"):
             situations = situations_of(self.engine.simulators, base.values)
             location = locate(self.engine, base, situations, self.rng)
@@ -129,6 +131,7 @@ class Judge:
             gates.most,
             self.rng,
             self.progress,
+            banks=banks,
         )
         with self.part("catalogue"):
             bank, ranking = selector.first_ranked()

@@ -19,12 +19,14 @@ from functools import partial
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.asked import Distinct
 from fsm_calib.diagnosis.candidates.from_the_leader import sought_again
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
 from fsm_calib.diagnosis.candidates.place_search import placed
 from fsm_calib.diagnosis.candidates.polish import polished
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
-from fsm_calib.diagnosis.candidates.ranking import Bank, Distinct
+from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.rivals import Banks
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
@@ -71,7 +73,8 @@ class Selector:
 
     needed : evidence that each effect must add to all the others; share : of what the first had alone that a further
     one must have; most : effects at most;
-    rng : for the searches over the floor; distinct : what the first round learns of the starts for the later ones.
+    rng : for the searches over the floor; distinct : what the first round learns of the starts for the later ones;
+    banks : what the base robot was asked while it was fitted.
     """
 
     engine: Engine
@@ -83,6 +86,7 @@ class Selector:
     rng: np.random.Generator
     progress: Progress = field(default=lambda part: None)
     distinct: Distinct = field(default_factory=dict)
+    banks: Banks = field(default_factory=Banks)
 
     def ranked(self, bank: Bank, parent: Fit, effects: Sequence[Effect] | None = None) -> list[Ranked]:
         """Return the effects (all) on top of a parent, the leaders polished, implausible ones left out.
@@ -103,7 +107,7 @@ class Selector:
 
         With the bank that fitted them.
         """
-        bank = Bank.on(self.engine, self.base, distinct=self.distinct)
+        bank = self.banks.on(self.engine, self.base, self.distinct)
         ranking = self.ranked(bank, self.base)
         if not ranking or ranking[0].evidence < self.needed:
             return bank, ranking

@@ -1,0 +1,29 @@
+"""What effects answered when they were asked on one fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.ranked import Ranked
+
+Distinct = dict[Hypothesis, list[int]]
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What an effect has begun, which of its forms promise too little, and the starts that are distinct, if new."""
+
+    name: str
+    begun: tuple[Ranked, ...]
+    left: tuple[Hypothesis, ...]
+    distinct: Distinct
+
+
+@dataclass(eq=False)
+class Answers:
+    """What each effect began, by name; what came of forms that had promised nothing; fits that were finished."""
+
+    begun: dict[str, Asked] = field(default_factory=dict)
+    again: dict[Asked, list[Ranked]] = field(default_factory=dict)
+    finished: dict[Ranked, Ranked] = field(default_factory=dict)
