@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import engine_of, fitted_number, recording, selector_on
 
+from fsm_calib.diagnosis.candidates.best_choice import with_best_choice
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -66,7 +67,7 @@ def test_how_a_place_is_felt_is_tried_again_where_its_fit_has_ended(selector):
     middle = {f"rough_floor_patch.{k}": v for k, v in (SPOT | {"spread": 0.0, "drag": 0.4}).items()}
     bank = Bank.on(selector.engine, selector.base)
     begun = bank._begun(form, Start(with_values(selector.base.values, middle), 0.0))
-    found = bank._with_best_choice(begun)
+    found = with_best_choice(begun, bank.prober, {}, bank._begun)
     spread = parameter_table().place("rough_floor_patch.spread")
     assert (begun.fit.values[0, spread], found.fit.values[0, spread]) == (0.0, 1.0)
     assert found.gain > begun.gain + 50.0

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.asked import Answers, Asked, Distinct
+from fsm_calib.diagnosis.candidates.best_choice import with_best_choice
 from fsm_calib.diagnosis.candidates.extended import beyond
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
@@ -22,7 +23,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
 from fsm_calib.diagnosis.candidates.once_more import once_more
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, strongest
 from fsm_calib.diagnosis.candidates.scan import Scanner, scan_of
-from fsm_calib.diagnosis.candidates.scanned import Plans, scanned
+from fsm_calib.diagnosis.candidates.scanned import Plan, Plans, scanned
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.begins import begins_of
@@ -31,7 +32,7 @@ from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
 from fsm_calib.diagnosis.fitting.nested import nothing_found
 from fsm_calib.diagnosis.fitting.side_by_side import Result, Thing, side_by_side
 from fsm_calib.diagnosis.fitting.slot import Slot
-from fsm_calib.diagnosis.fitting.values import switched_off, with_values
+from fsm_calib.diagnosis.fitting.values import switched_off
 from fsm_calib.diagnosis.replay.simulator import scale_of
 from fsm_calib.diagnosis.replay.situation import situations_of
 from fsm_calib.diagnosis.shapes.score_tests import residual_of
@@ -102,7 +103,7 @@ class Bank:
             for answer, more in zip(asked, again, strict=True):
                 begun[answer.name] += more
         kept = [kept for found in begun.values() for kept in self._kept(found)]
-        near = self._near(kept)
+        near = {ranked.name for ranked in self._near(kept)}
         self._each(self._finished, [r for r in kept if r.name in near], self.answers.finished)
         done = [self.answers.finished[r] if r.name in near else r for r in kept]
         best: dict[str, Ranked] = {}
@@ -188,18 +189,18 @@ class Bank:
         return in_order[:1] + [ranked for ranked in in_order[1:] if ranked.gain > self._worth]
 
     @staticmethod
-    def _near(tried: Sequence[Ranked]) -> set[str]:
-        """Return the effects of which a form comes near enough to the best to be worth finishing."""
+    def _near(tried: Sequence[Ranked]) -> list[Ranked]:
+        """Return the fits that come near enough to the best to be worth finishing."""
         top = max((ranked.evidence for ranked in tried), default=0.0)
         least = min(FAR_BELOW * top, top - NEAR_ENOUGH)
-        return {ranked.name for ranked in tried if ranked.evidence >= least}
+        return [ranked for ranked in tried if ranked.evidence >= least]
 
     def plans(self, effect: Effect, hope: float = -np.inf) -> Plans:
         """Return the forms of an effect with their starts; those that are far from winning `hope` have none."""
         forms = self._forms(effect)
         return [(form, self._starts(form, hope) if starts is None else starts) for form, starts in forms]
 
-    def _forms(self, effect: Effect) -> list[tuple[Hypothesis, list[Start] | None]]:
+    def _forms(self, effect: Effect) -> list[Plan]:
         """Return the forms of an effect, with their starts where these need not be sought."""
         runs = len(self.engine.simulators)
         if effect.name in parameter_table().active_effects(self.parent.values[0]):
@@ -238,8 +239,7 @@ class Bank:
 
     def best_of(self, effect: Effect) -> Ranked | None:
         """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
-        each_form = self.side_by_side(lambda plan: self._fitted([plan]), self._forms(effect))
-        tried = [ranked for found in each_form for ranked in found]
+        tried = self._fitted(self._forms(effect))
         return strongest([*tried, *map(self._finished, self._extended(effect, tried))])
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
@@ -254,13 +254,15 @@ class Bank:
         plans = scanned(self.prober, self.scanner, effect)
         return strongest(self._fitted(p for p in plans if p[0].run == run and p[0].closure in alike))
 
-    def _fitted(self, plans: Iterable[tuple[Hypothesis, list[Start] | None]]) -> list[Ranked]:
-        """Return every form, fitted from each of its starts, which are sought where there are none yet."""
-        return [
-            self.fit(form, start)
-            for form, starts in plans
-            for start in (self._starts(form, -np.inf) if starts is None else starts)
-        ]
+    def _fitted(self, plans: Iterable[Plan]) -> list[Ranked]:
+        """Return the forms, each from all its starts; those that begin far below the best are not fitted to the end."""
+        begun = [ranked for found in self.side_by_side(self._each_begun, plans) for ranked in found]
+        return self.side_by_side(self._finished, self._near(begun))
+
+    def _each_begun(self, plan: Plan) -> list[Ranked]:
+        """Return a form begun from each of its starts, which are sought where there are none yet."""
+        form, starts = plan
+        return [self._begun(form, s) for s in (self._starts(form, -np.inf) if starts is None else starts)]
 
     def _begun(self, hypothesis: Hypothesis, start: Start, worth: float = 0.0) -> Ranked:
         """Fit one hypothesis at the parent's noise; what does not get near the gain `worth` is given up early."""
@@ -301,46 +303,18 @@ class Bank:
         """Fit the noise again, and the hypothesis at that noise; what has won nothing stays as it is."""
         if ranked.gain <= self._worth:
             return ranked
-        ranked = self._with_best_choice(ranked)
-        fit = self.engine.refit_noise(ranked.fit, SPEED_NOISE, 2)
-        known = self.parent.columns
+        given = self._measured(registry()[ranked.name])
+        ranked = with_best_choice(ranked, self.prober, given, self._begun)
+        fit, known = self.engine.refit_noise(ranked.fit, SPEED_NOISE, 2), self.parent.columns
         if fit.score > self.parent.score + FAR:
             known = jacobian(self.engine.simulators, fit.values, self.parent.slots, fit.simulated)
         return self._ranked(ranked.hypothesis, climbed(self.engine, fit, known))
 
-    def _with_best_choice(self, ranked: Ranked) -> Ranked:
-        """Return the best of a fit and of those with other values of its choices, which no derivative leads to.
-
-        What a start promises chose among them so far, with phases a third of a turn apart. A scan finds a place, not
-        how it is felt: a rough spot under the wheels that was begun under the body's middle lacked 575 units.
-        """
-        effect, best = registry()[ranked.name], ranked
-        if ranked.hypothesis.closure in {closure.name for closure in effect.extending}:
-            return ranked  # it goes on with those of a smaller one
-        settled = {**ranked.hypothesis.held, **self._measured(effect)}
-        for choice in effect.choices:
-            full = f"{effect.name}.{choice.name}"
-            if full not in settled:
-                now = float(best.fit.values[0, parameter_table().place(full)])
-                others = [self._chosen(best, full, value) for value in choice.starts if value != now]
-                best = max([best, *others], key=lambda r: r.gain)
-        return best
-
-    def _chosen(self, ranked: Ranked, full: str, value: float) -> Ranked:
-        """Return a form fitted with another value of a choice: a place from where it is, others from their starts."""
-        form = ranked.hypothesis
-        if registry()[ranked.name].scan:
-            start = Start(with_values(ranked.fit.values, {full: value}, form.run), 0.0)
-        else:
-            given = {**self._measured(registry()[form.effect]), full: value}
-            start = self.prober.best_starts(form, declared_starts(form, given), 1)[0]
-        return self._begun(form, start)
-
     def _measured(self, effect: Effect) -> dict[str, float]:
-        """Return the choices of an effect that measured wheels leave no room for, by full name, as they are then."""
-        if not all(s.prepared.has_encoders for s in self.engine.simulators):
-            return {}
-        return {f"{effect.name}.{p.name}": p.null for p in effect.choices if p.without_encoders}
+        """Return the choices of an effect that wheels leave no room for, measured or not: full names, values."""
+        measured = all(s.prepared.has_encoders for s in self.engine.simulators)
+        settled = [p for p in effect.choices if (p.without_encoders if measured else p.with_encoders)]
+        return {f"{effect.name}.{p.name}": p.null for p in settled}
 
     def _ranked(self, hypothesis: Hypothesis, fit: Fit) -> Ranked:
         """Return the fit with its evidence, at the parent's point where it came out worse."""

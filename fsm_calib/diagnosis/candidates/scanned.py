@@ -10,6 +10,8 @@ from fsm_calib.world2d.effects import Effect
 WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
 FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted; a name needs more
 
+Plan = tuple[Hypothesis, list[Start] | None]
+"""A form with where it starts; None where that is to be sought."""
 Plans = list[tuple[Hypothesis, list[Start]]]
 """Forms with where each starts."""
 

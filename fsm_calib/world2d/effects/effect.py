@@ -141,6 +141,11 @@ class Effect:
         return tuple(p for p in self.parameters if not p.fitted and p.starts)
 
     @property
+    def rugged(self) -> tuple[Parameter, ...]:
+        """Fitted parameters whose fits stay near where they start."""
+        return tuple(p for p in self.parameters if p.rugged)
+
+    @property
     def competing(self) -> tuple[Closure, ...]:
         """The closures that compete for a name from the start: all but those that refine it or extend others."""
         return tuple(closure for closure in self.closures if not closure.refines and not closure.extends)

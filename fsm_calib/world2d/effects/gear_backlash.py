@@ -92,6 +92,7 @@ EFFECT = Effect(
             "1 encoders on the wheels, 0 on the motors",
             strength=False,
             fitted=False,
+            with_encoders=True,
             starts=(0.0, 1.0),
         ),
         Parameter(
@@ -106,6 +107,7 @@ EFFECT = Effect(
             strength=False,
             starts=(0.15, 0.7),
             step=5e-2,
+            rugged=True,
         ),
         *of_each_wheel(
             Parameter(

@@ -33,6 +33,8 @@ class Parameter:
         tries.
     without_encoders : bool
         Whether a diagnosis tries this choice only where nobody measured the wheels; else its null value is the truth.
+    with_encoders : bool
+        Whether it tries this choice only where somebody did; else it says nothing.
     mirror : str
         What becomes of the value when left and right change places: ``same``, ``negate``, ``complement`` (of
         a full difference) or ``swap:NAME`` with the value of another parameter.
@@ -57,6 +59,9 @@ class Parameter:
     least : float
         A smaller distance from the null value, in `unit`, is within what the base robot's own equations leave open,
         and no size to be named.
+    rugged : bool
+        Whether a fit stays on the hill where this number starts, so that one that has ended is tried from the other
+        starts, too.
     in_series : bool
         Whether it is a time constant in series with the motors' own. Lags in series commute, so that a fit that takes
         one for the other stands on a hill of its own.
@@ -74,6 +79,7 @@ class Parameter:
     per_recording: bool = False
     fitted: bool = True
     without_encoders: bool = False
+    with_encoders: bool = False
     mirror: str = "same"
     starts: tuple[float, ...] = ()
     step: float = 0.0
@@ -84,6 +90,7 @@ class Parameter:
     of_axle: float = 0.0
     prior: float = 0.0
     in_series: bool = False
+    rugged: bool = False
 
     @property
     def difference_step(self) -> float:
