@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
-from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.fit import Fit
-from fsm_calib.diagnosis.verdict.swapped import Fitting, has_closures
+from fsm_calib.diagnosis.verdict.swapped import Fitting, bank_without, has_closures
 from fsm_calib.world2d.effects import registry
 
 
@@ -36,7 +35,8 @@ def spared(
 
 def _by_another_equation(fitting: Fitting, fit: Fit, effect: Ranked) -> Ranked | None:
     """Return an effect of a fit by its best equation; None where that is the one that it has."""
-    tried = Bank.on(fitting.engine, fitting.without(fit, effect.name)).best_of(registry()[effect.name])
+    bare = fitting.without(fit, effect.name)
+    tried = bank_without(fitting.engine, fit, bare).best_of(registry()[effect.name])
     if tried is None or tried.hypothesis.closure == effect.hypothesis.closure:
         return None
     return replace(tried, fit=fitting.with_noise(tried.fit), evidence=effect.evidence)

@@ -92,7 +92,7 @@ def _with_another(
     rivals += [earlier] if has_closures(registry()[earlier.name]) else []
     if not rivals:
         return effects, fit
-    bank = Bank.on(fitting.engine, fitting.without(fit, earlier.name))
+    bank = bank_without(fitting.engine, fit, fitting.without(fit, earlier.name))
     for rival in rivals:
         tried = bank.best_of(registry()[rival.name])
         if tried is not None and _is_better(fitting.engine, tried.fit, fit):
@@ -121,7 +121,7 @@ def _moved_up(
     """
     earlier, last = effects[place], effects[-1]
     bare = fitting.without(fitting.without(fit, earlier.name), last.name)
-    tried = Bank.on(fitting.engine, bare).best_of(registry()[last.name])
+    tried = bank_without(fitting.engine, fit, bare).best_of(registry()[last.name])
     kept = {e.name for e in effects if e is not earlier}
     rounds = [r for found in _rounds_of(earlier.name, rankings) for r in found if r.name == last.name]
     then = [r for r in rounds if set(parameter_table().active_effects(r.fit.values[0])) == kept]
@@ -134,6 +134,11 @@ def _moved_up(
         return effects, fit
     moved = replace(tried, fit=alone, evidence=earlier.evidence)
     return (*effects[:place], moved, *effects[place + 1 : -1]), alone
+
+
+def bank_without(engine: Engine, fit: Fit, less: Fit) -> Bank:
+    """Return the bank on a fit without an effect; what stays far below the whole fit is not fitted to the end."""
+    return Bank.on(engine, less, max(evidence_of(fit, less, engine.count), 0.0))
 
 
 def _is_better(engine: Engine, tried: Fit, fit: Fit) -> bool:
