@@ -1,6 +1,6 @@
 """Would the planned drive tell the watchtower robot's three explanations apart?
 
-    python3 benchmarks/next_drive_watchtower.py RECORDINGS/duckiebot-watchtower [--draws 40] [--alone]
+    python3 benchmarks/next_drive_watchtower.py RECORDINGS/duckiebot-watchtower [--draws 40] [--alone] [--jobs 2]
 
 Its laps are explained three times, by each of motor_deadband, tyre_scrub and caster_drag with whatever joins it and
 without the other two. The next drive is designed for the three as equals; then each is simulated as fitted to the
@@ -24,6 +24,7 @@ from fsm_calib.diagnosis.design.belief_of import belief_of
 from fsm_calib.diagnosis.design.designer import design, played
 from fsm_calib.diagnosis.design.foresight import Holds, drive_of
 from fsm_calib.diagnosis.diagnose import diagnose
+from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
 from fsm_calib.recording import read_recording
 from fsm_calib.recording.channels import CommandTrack, PoseTrack
 from fsm_calib.recording.recording import Recording
@@ -88,9 +89,10 @@ def _summed(rate: FloatArray, start: float) -> FloatArray:
     return start + np.concatenate([[0.0], np.cumsum(rate[:-1]) * STEP])
 
 
-def explained_by(name: str, laps: list[Recording]) -> Belief:
+def explained_by(name: str, laps: list[Recording], settings: Settings) -> Belief:
     """What the laps leave to believe where the other two of the rivals are no explanation."""
-    return belief_of(diagnose(laps, without=[other for other in RIVALS if other != name]).decision)
+    others = [other for other in RIVALS if other != name]
+    return belief_of(diagnose(laps, without=others, settings=settings).decision)
 
 
 def likeliest(belief: Belief, name: str) -> Hypothesis:
@@ -105,9 +107,11 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--draws", type=int, default=40)
     parser.add_argument("--alone", action="store_true", help="diagnose the drive without the laps")
+    parser.add_argument("--jobs", type=int, default=1, help="processes that fit side by side")
     asked = parser.parse_args()
+    settings = replace(DEFAULT_SETTINGS, processes=asked.jobs)
     laps = [read_recording(asked.folder / name) for name in LAPS]
-    beliefs = {name: explained_by(name, laps) for name in RIVALS}
+    beliefs = {name: explained_by(name, laps, settings) for name in RIVALS}
     truths = {name: likeliest(belief, name) for name, belief in beliefs.items()}
     print("fitted to the laps:", ", ".join(truth.label for truth in truths.values()))
     equal = tuple(replace(truth, probability=1.0 / len(RIVALS)) for truth in truths.values())
@@ -118,29 +122,24 @@ def main() -> None:
     for way in plan.manoeuvres:
         print(f"  {way.start:5.1f} s  {way.name}")
     print(f"sure before {plan.forecast.sureness_before:.2f}, promised after {plan.forecast.sureness:.2f}")
-    total = 0
     asked_for = {*RIVALS, *(name for truth in truths.values() for name in truth.names)}
     others = [name for name in registry() if name not in asked_for]
-    for name in reversed(RIVALS):
-        right = 0
-        for draw in range(asked.draws):
+    right = dict.fromkeys(RIVALS, 0)
+    for draw in range(asked.draws):
+        for name in RIVALS:
             rng = np.random.default_rng([RIVALS.index(name), draw])
             values = truths[name].values
             recordings = [planned(beliefs[name], values, plan.holds, rng)]
             if not asked.alone:
                 recordings += [driven_again(beliefs[name], values, lap, rng) for lap in laps]
-            decision = diagnose(recordings, without=others).decision
+            decision = diagnose(recordings, without=others, settings=settings).decision
             said = set().union(*[set(known.among) for known in decision.named]) & set(RIVALS)
-            right += said == {name}
+            right[name] += said == {name}
             if said != {name}:
-                print(
-                    "   not told apart:",
-                    sorted(said),
-                    [(r.name, round(r.evidence)) for r in decision.ranking],
-                )
-        total += right
-        print(f"{name}: told apart in {right} of {asked.draws} draws", flush=True)
-    print(f"in all: {total} of {asked.draws * len(RIVALS)}")
+                evidence = [(r.name, round(r.evidence)) for r in decision.ranking]
+                print(f"  {name} not told apart: {sorted(said)}, {evidence}")
+        told = ", ".join(f"{name} {n}" for name, n in right.items())
+        print(f"told apart in {sum(right.values())} of {(draw + 1) * len(RIVALS)} draws: {told}", flush=True)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from fsm_calib.workers import usable_cores
 MOST_WORKERS = 8  # the longest file takes an eighth of the whole
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """Return how many workers `-n auto` starts: one a core that this process may use, two at least.
 

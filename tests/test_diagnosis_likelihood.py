@@ -7,14 +7,11 @@ from diagnosis_robots import HEADING_NOISE, POSITION_NOISE, engine_of, recording
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import jacobian
 from fsm_calib.diagnosis.fitting.slot import with_slots
-from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener, log_density, robust_weights
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import nominal_values
 from fsm_calib.errors import DataError
-from fsm_calib.world2d.effects import registry
-from fsm_calib.world2d.parameters import parameter_table
 
 
 @pytest.fixture(scope="module")
@@ -83,17 +80,3 @@ def test_t_density_integrates_to_one():
 def test_too_few_poses_are_refused():
     with pytest.raises(DataError, match="usable poses"):
         prepare(recording(0).window(0.0, 1.0))
-
-
-@pytest.mark.parametrize(
-    "name", ["gain_left", "payload_offset.x", "tyre_scrub.moment", "command_delay.delay"]
-)
-def test_what_a_number_changes_is_much_the_same_with_longer_steps(base, engine, name):
-    simulator, here = engine.simulators[0], base.values[0]
-    effect, _, number = name.rpartition(".")
-    more = 0.02 if not effect else 0.3 * registry()[effect].parameter(number).typical
-    rows = with_values(here[None], {name: here[parameter_table().place(name)] + more})
-    exact = simulator.increments(rows) - simulator.increments(here[None])
-    rough = simulator.changes(rows, here)
-    assert rough.shape == exact.shape
-    assert np.linalg.norm(rough - exact) < 0.15 * np.linalg.norm(exact)

@@ -136,9 +136,9 @@ def tried_moments(trial: Trial, run: int, strength: Changes) -> tuple[FloatArray
 
 def _simulated(trial: Trial, simulator: Simulator, run: int, candidates: Sequence[Changes]) -> FloatArray:
     """Return what candidates change in the increments of one recording, (n, 5, m)."""
-    values = trial.parent.values[run : run + 1]
-    changed = simulator.changes(np.vstack([with_values(values, c) for c in candidates]), values)
-    return np.moveaxis(changed, 0, 2)
+    values, before = trial.parent.values[run : run + 1], trial.parent.simulated[run]
+    changed = simulator.increments(np.vstack([with_values(values, c) for c in candidates]))
+    return np.moveaxis(changed - before, 0, 2)
 
 
 def _alone(trial: Trial, run: int, columns: FloatArray) -> list[FloatArray]:

@@ -15,8 +15,8 @@ from fsm_calib.types import FloatArray
 def responses(parent: Fit, engine: Engine, candidates: Sequence[Mapping[str, float]]) -> list[FloatArray]:
     """Return what each candidate changes in the increments of each recording, (n, 5, m); full names to values."""
     return [
-        np.moveaxis(simulator.changes(_rows(values, candidates), values), 0, 2)
-        for simulator, values in zip(engine.simulators, parent.values, strict=True)
+        np.moveaxis(simulator.increments(_rows(values, candidates)) - before, 0, 2)
+        for simulator, values, before in zip(engine.simulators, parent.values, parent.simulated, strict=True)
     ]
 
 

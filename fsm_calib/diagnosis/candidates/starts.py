@@ -67,8 +67,10 @@ class Prober:
     def _changes(self, tried: Sequence[FloatArray]) -> list[FloatArray]:
         """Return the simulated changes of each recording at several parameters (R, p), (n, 5, m)."""
         return [
-            np.moveaxis(simulator.changes(np.array([values[run] for values in tried]), here), 0, 2)
-            for run, (simulator, here) in enumerate(zip(self.simulators, self.parent.values, strict=True))
+            np.moveaxis(simulator.increments(np.array([values[run] for values in tried])) - before, 0, 2)
+            for run, (simulator, before) in enumerate(
+                zip(self.simulators, self.parent.simulated, strict=True)
+            )
         ]
 
     def _white(self, tried: Sequence[FloatArray]) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -29,7 +29,6 @@ NOMINAL_WHEEL_RATE = (
 )
 LEAD_TIME = 1.2  # s simulated before the first event, so that a delayed command and a moving start are known
 GRID_STEP = 0.01  # s between stored states; cubic interpolation in between
-ROUGHLY = 3  # times as long are the steps where only what a start promises is asked
 AT_A_TIME = 8  # parameter vectors whose states are held at once: half a megabyte a minute each
 SMALL_RADIUS = 0.05  # m: larger wheels are taken to have the same share of the robot's mass at their rims
 LOWEST_INPUT_LAG = (
@@ -42,8 +41,7 @@ class Simulator:
     """One recording's commands, sample times and exogenous track, ready to be rolled out again and again.
 
     measured_input : the drive is made of measured wheel speeds, not of commands. full_speed [m/s]: rim speed of
-    command 1. world: physics that the simulation has beyond the base robot, values by full name. coarseness : so many
-    times longer are its steps.
+    command 1. world: physics that the simulation has beyond the base robot, values by full name.
     """
 
     prepared: Prepared
@@ -53,30 +51,6 @@ class Simulator:
     full_speed: float
     measured_input: bool
     world: Mapping[str, float] = field(default_factory=dict)
-    coarseness: int = 1
-
-    @property
-    def grid_step(self) -> float:
-        """The time between stored states [s]."""
-        return self.coarseness * GRID_STEP
-
-    @cached_property
-    def rough(self) -> Simulator:
-        """The same with longer steps."""
-        step = ROUGHLY * self.grid_step
-        grid = np.arange(self.grid[0], self.grid[-1] + step, step)
-        return replace(self, grid=grid, coarseness=ROUGHLY * self.coarseness)
-
-    def changes(self, rows: FloatArray, here: FloatArray) -> FloatArray:
-        """Return what `rows` (k, p) change in the increments that parameters `here` (p,) have, (k, n, 5), roughly.
-
-        Both are rolled out with longer steps, whose errors are alike: what is smooth changes by 0.1 to 3 % too much or
-        too little (beside a scrub by up to 12 %), as is good enough for what a start promises. Not for a derivative:
-        where something sticks or has play, small steps of a number move it by jumps, other ones here, and a robot's
-        play in the gears was lost to a fit that climbed by them (rotor 0.05 for 0.85, and dry friction beside it).
-        """
-        increments = self.rough.increments(np.vstack([rows, here]))
-        return np.asarray(increments[:-1] - increments[-1])
 
     def increments(self, values: FloatArray) -> FloatArray:
         """Return increments (forward, left [m], turn, wheel left, right [rad]) of k parameter vectors.
@@ -110,7 +84,7 @@ class Simulator:
     ) -> FloatArray:
         """Return increments (k, last - first + 1, 5) of the events from `first` to `last` alone; row 0 is zero.
 
-        grid : (g,) [s], every `grid_step`, from where the robot stands at `start` (pose, or pose and twist); drive and
+        grid : (g,) [s], every `GRID_STEP`, from where the robot stands at `start` (pose, or pose and twist); drive and
         track : what of both acts then.
         """
         if len(values) > AT_A_TIME:
@@ -120,29 +94,25 @@ class Simulator:
             )
         p, part = self.prepared, slice(first, last + 1)
         on = active_flags(values)
-        longest = self.coarseness * p.settings.simulation_step
-        states = simulate_many(values, drive, grid, start, track, longest, on)
+        states = simulate_many(values, drive, grid, start, track, p.settings.simulation_step, on)
         time, reference = p.time[part], p.reference[part]
         out = np.empty((len(values), len(time), 5))
         clocked, filtered, seen = (_acts(on, hook) for hook in POSE_HOOKS)
         for i, vector in enumerate(values):
             seen_at = np.ascontiguousarray(robot_time(vector, p.time)[part]) if clocked[i] else time
             if filtered[i]:
-                states[i] = through_filter(vector, grid, states[i], self.grid_step)
-            sample_increments(states[i], grid[0], self.grid_step, seen_at, time, out[i])
+                states[i] = through_filter(vector, grid, states[i])
+            sample_increments(states[i], grid[0], GRID_STEP, seen_at, time, out[i])
             if seen[i]:
                 through_sensor(vector, reference, out[i])
         return out
 
 
-def through_filter(vector: FloatArray, grid: FloatArray, states: FloatArray, step: float) -> FloatArray:
-    """Return states (g, 12) at the times `grid` (g,) [s] with poses and twists as the pose sensor's filter has them.
-
-    step : between the times [s].
-    """
+def through_filter(vector: FloatArray, grid: FloatArray, states: FloatArray) -> FloatArray:
+    """Return states (g, 12) at the times `grid` (g,) [s] with poses and twists as the pose sensor's filter has them."""
     seen = states.copy()
     seen[:, :3] = smoothed(vector, grid, states[:, :3])
-    rate = np.gradient(seen[:, :3], step, axis=0)
+    rate = np.gradient(seen[:, :3], GRID_STEP, axis=0)
     c, s = np.cos(seen[:, 2]), np.sin(seen[:, 2])
     seen[:, 3], seen[:, 4] = c * rate[:, 0] + s * rate[:, 1], c * rate[:, 1] - s * rate[:, 0]
     seen[:, 5] = rate[:, 2]
