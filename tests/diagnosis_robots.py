@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.design.foresight import drive_of
+from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.prepared import prepare
@@ -102,6 +104,12 @@ def with_encoders(seed, late=0.0, **changes):
 def engine_of(*recordings):
     """Return the engine that fits some recordings."""
     return Engine(tuple(make_simulator(prepare(r)) for r in recordings))
+
+
+def bank_of(*recordings):
+    """Return the bank on the fitted base robot of some recordings."""
+    engine = engine_of(*recordings)
+    return Bank.on(engine, fit_base(engine))
 
 
 def selector_on(base, engine, *names):

@@ -1,23 +1,16 @@
 """Numbers that no derivative leads to are tried at their other starts; choices only where the wheels leave room."""
 
 import pytest
-from diagnosis_robots import engine_of, fitted_number, recording, with_encoders
+from diagnosis_robots import bank_of, fitted_number, recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.best_choice import with_best_choice
 from fsm_calib.diagnosis.candidates.hypotheses import hypotheses_of
-from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.starts import Start
-from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.world2d.effects import registry
 
 PLAY = {"gear_backlash__gap": 0.25, "gear_backlash__rotor": 0.9}
 GAP, ROTOR, SIDE = (f"gear_backlash.{name}" for name in ("gap", "rotor", "encoder_side"))
-
-
-def bank_on(*drives):
-    engine = engine_of(*drives)
-    return Bank.on(engine, fit_base(engine))
 
 
 def numbers_of(form):
@@ -28,7 +21,7 @@ def numbers_of(form):
 @pytest.fixture(scope="module")
 def bank():
     """Return the bank of a robot with play, whose motors have most of the rotating inertia."""
-    return bank_on(*(recording(seed, **PLAY) for seed in (0, 1)))
+    return bank_of(*(recording(seed, **PLAY) for seed in (0, 1)))
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +42,7 @@ def test_where_the_encoders_sit_is_not_asked_where_there_are_none(bank):
 
 
 def test_where_the_encoders_sit_is_asked_where_wheels_are_measured():
-    bank = bank_on(with_encoders(0, **PLAY))
+    bank = bank_of(with_encoders(0, **PLAY))
     assert SIDE not in bank._measured(registry()["gear_backlash"])
 
 
@@ -58,4 +51,4 @@ def test_what_measured_wheels_leave_no_room_for_is_asked_where_there_are_none(ba
     only = [p.name for p in eccentric.choices if p.without_encoders]
     assert only
     assert bank._measured(eccentric) == {}
-    assert set(bank_on(with_encoders(0))._measured(eccentric)) == {f"wheel_eccentricity.{n}" for n in only}
+    assert set(bank_of(with_encoders(0))._measured(eccentric)) == {f"wheel_eccentricity.{n}" for n in only}

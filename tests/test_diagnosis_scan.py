@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, recording, with_encoders
+from diagnosis_robots import bank_of, recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
@@ -24,7 +24,6 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
     likely_discs,
 )
 from fsm_calib.diagnosis.candidates.scan_slides import Slides
-from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.proof.plausible import stands_out
 from fsm_calib.diagnosis.replay.prepared import prepare
@@ -32,11 +31,6 @@ from fsm_calib.diagnosis.shapes.score_tests import project, winnings
 from fsm_calib.world2d.effects import registry
 
 MARKER = {"turn": 0.12, "x": 0.15, "y": 0.0, "radius": 0.2}
-
-
-def bank_of(*recordings):
-    engine = engine_of(*recordings)
-    return Bank.on(engine, fit_base(engine))
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from fsm_calib.diagnosis.candidates.hypotheses import declared_starts
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, declared_starts
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.starts import Prober, Start
 from fsm_calib.diagnosis.fitting.values import with_values
@@ -14,7 +14,10 @@ from fsm_calib.world2d.parameters import parameter_table
 
 
 def with_best_choice(
-    ranked: Ranked, prober: Prober, given: Mapping[str, float], begun: Callable[..., Ranked]
+    ranked: Ranked,
+    prober: Prober,
+    given: Mapping[str, float],
+    begun: Callable[[Hypothesis, Start], Ranked],
 ) -> Ranked:
     """Return the best of a fit and of those with other values of its choices and rugged numbers.
 

@@ -14,7 +14,7 @@ from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.candidates.late_sight import LAG, with_late_sight
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
-from fsm_calib.diagnosis.candidates.rivals import Banks, Rivals
+from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.candidates.speed_loop import (
     HOLD,
     with_bare_loop,
@@ -41,21 +41,19 @@ NUMBERS: tuple[tuple[str, Freeing], ...] = (
 
 def ranked_if_bared(selector: Selector, bank: Bank, ranking: list[Ranked]) -> Found:
     """Return selector, bank and ranking on a base with the numbers that the first effect shows; else all as given."""
-    found, banks = (selector, bank, ranking), Banks()
+    found = selector, bank, ranking
     for name, freeing in NUMBERS:
-        found = _ranked_with(*found, name, freeing, banks)
+        found = _ranked_with(*found, name, freeing)
     return _ranked_as_it_rests(*found)
 
 
-def _ranked_with(
-    selector: Selector, bank: Bank, ranking: list[Ranked], name: str, freeing: Freeing, banks: Banks
-) -> Found:
+def _ranked_with(selector: Selector, bank: Bank, ranking: list[Ranked], name: str, freeing: Freeing) -> Found:
     """Return all on a base with a number set free, where the recordings ask for it beside the first effect."""
     leader, measured = _leader(selector, ranking), selector.engine.simulators[0].measured_input
     if leader is None or measured or found_free(selector.base, name):
         return selector, bank, ranking
     others = [effect for effect in selector.catalogue if effect.name != leader.name and not effect.scan]
-    freed = freeing(selector.engine, leader.fit, Rivals(others, banks))
+    freed = freeing(selector.engine, leader.fit, Rivals(others, selector.banks))
     return _anew(selector, freed, leader) if found_free(freed, name) else (selector, bank, ranking)
 
 

@@ -74,7 +74,7 @@ class Selector:
     needed : evidence that each effect must add to all the others; share : of what the first had alone that a further
     one must have; most : effects at most;
     rng : for the searches over the floor; distinct : what the first round learns of the starts for the later ones;
-    banks : what the base robot was asked while it was fitted.
+    banks : what the fit that was asked last answered, the base robot while it was fitted.
     """
 
     engine: Engine
