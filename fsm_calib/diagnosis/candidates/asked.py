@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from fsm_calib.diagnosis.candidates.approached import Approached
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 
@@ -22,8 +23,9 @@ class Asked:
 
 @dataclass(eq=False)
 class Answers:
-    """What each effect began, by name; what came of forms that had promised nothing; fits that were finished."""
+    """What each effect began, by name; what came of forms that had promised nothing; fits near their end, and at it."""
 
     begun: dict[str, Asked] = field(default_factory=dict)
     again: dict[Asked, list[Ranked]] = field(default_factory=dict)
-    finished: dict[Ranked, Ranked] = field(default_factory=dict)
+    approached: dict[Ranked, Approached] = field(default_factory=dict)
+    followed: dict[Approached, Ranked] = field(default_factory=dict)

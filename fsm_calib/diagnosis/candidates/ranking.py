@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.approached import Approached, worth_following
 from fsm_calib.diagnosis.candidates.asked import Answers, Asked, Distinct
 from fsm_calib.diagnosis.candidates.best_choice import with_best_choice
 from fsm_calib.diagnosis.candidates.extended import beyond
@@ -27,7 +28,7 @@ from fsm_calib.diagnosis.candidates.scanned import Plan, Plans, scanned
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.begins import begins_of
-from fsm_calib.diagnosis.fitting.climb import climbed
+from fsm_calib.diagnosis.fitting.climb import last_steps, to_its_end
 from fsm_calib.diagnosis.fitting.fit import OPTIMISM, Engine, Fit, jacobian
 from fsm_calib.diagnosis.fitting.nested import nothing_found
 from fsm_calib.diagnosis.fitting.side_by_side import Result, Thing, side_by_side
@@ -104,10 +105,9 @@ class Bank:
                 begun[answer.name] += more
         kept = [kept for found in begun.values() for kept in self._kept(found)]
         near = {ranked.name for ranked in self._near(kept)}
-        self._each(self._finished, [r for r in kept if r.name in near], self.answers.finished)
-        done = [self.answers.finished[r] if r.name in near else r for r in kept]
+        done = self._finished([ranked for ranked in kept if ranked.name in near])
         best: dict[str, Ranked] = {}
-        for ranked in sorted(done, key=lambda r: -r.evidence):
+        for ranked in sorted([*done, *(r for r in kept if r.name not in near)], key=lambda r: -r.evidence):
             best.setdefault(ranked.name, ranked)
         return list(best.values())
 
@@ -235,12 +235,12 @@ class Bank:
 
     def fit(self, hypothesis: Hypothesis, start: Start) -> Ranked:
         """Fit one hypothesis from one start; the result is never worse than the parent."""
-        return self._finished(self._begun(hypothesis, start))
+        return self._finished([self._begun(hypothesis, start)])[0]
 
     def best_of(self, effect: Effect) -> Ranked | None:
         """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
         tried = self._fitted(self._forms(effect))
-        return strongest([*tried, *map(self._finished, self._extended(effect, tried))])
+        return strongest([*tried, *self._finished(self._extended(effect, tried))])
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of its kind in a recording; once more where the parent has it there, else once or
@@ -257,7 +257,7 @@ class Bank:
     def _fitted(self, plans: Iterable[Plan]) -> list[Ranked]:
         """Return the forms, each from all its starts; those that begin far below the best are not fitted to the end."""
         begun = [ranked for found in self.side_by_side(self._each_begun, plans) for ranked in found]
-        return self.side_by_side(self._finished, self._near(begun))
+        return self._finished(self._near(begun))
 
     def _each_begun(self, plan: Plan) -> list[Ranked]:
         """Return a form begun from each of its starts, which are sought where there are none yet."""
@@ -299,16 +299,28 @@ class Bank:
                 larger.append(self._begun(form, start))
         return larger
 
-    def _finished(self, ranked: Ranked) -> Ranked:
+    def _finished(self, begun: Sequence[Ranked]) -> list[Ranked]:
+        """Return fits at their end; of an effect's forms those that cannot pass its best end near it."""
+        near = self._each(self._approached, begun, self.answers.approached)
+        along = worth_following(near)
+        followed = dict(zip(along, self._each(self._followed, along, self.answers.followed), strict=True))
+        return [followed.get(found, found.ranked) for found in near]
+
+    def _approached(self, ranked: Ranked) -> Approached:
         """Fit the noise again, and the hypothesis at that noise; what has won nothing stays as it is."""
         if ranked.gain <= self._worth:
-            return ranked
+            return Approached(ranked, 0.0, goes_on=False)
         given = self._measured(registry()[ranked.name])
         ranked = with_best_choice(ranked, self.prober, given, self._begun)
         fit, known = self.engine.refit_noise(ranked.fit, SPEED_NOISE, 2), self.parent.columns
         if fit.score > self.parent.score + FAR:
             known = jacobian(self.engine.simulators, fit.values, self.parent.slots, fit.simulated)
-        return self._ranked(ranked.hypothesis, climbed(self.engine, fit, known))
+        climb = last_steps(self.engine, fit, known)
+        return Approached(self._ranked(ranked.hypothesis, climb.fit), climb.won, climb.goes_on)
+
+    def _followed(self, found: Approached) -> Ranked:
+        """Return a fit where its valley ends."""
+        return self._ranked(found.ranked.hypothesis, to_its_end(self.engine, found.ranked.fit))
 
     def _measured(self, effect: Effect) -> dict[str, float]:
         """Return the choices of an effect that wheels leave no room for, measured or not: full names, values."""

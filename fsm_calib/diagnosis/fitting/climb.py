@@ -9,6 +9,7 @@ ends.)
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.valley import along_the_valley
@@ -18,12 +19,34 @@ LAST_STEPS = 6  # Gauss-Newton steps; in most cases the last one wins next to no
 STILL_CLIMBING = 3.0  # log-likelihood units that they must have won for the fit to go on along the valley
 
 
-def climbed(engine: Engine, fit: Fit, known: Sequence[FloatArray] | None = None) -> Fit:
-    """Return a fit with what more steps win, at its noise.
+@dataclass(frozen=True, eq=False)
+class Climb:
+    """A fit after the last Gauss-Newton steps, and the log-likelihood that they won."""
+
+    fit: Fit
+    won: float
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether the fit still climbed when its steps were up."""
+        return self.won >= STILL_CLIMBING
+
+
+def last_steps(engine: Engine, fit: Fit, known: Sequence[FloatArray] | None = None) -> Climb:
+    """Return a fit with what more Gauss-Newton steps win, at its noise.
 
     known : raw columns (n, 5, q) of the first q slots, computed nearby.
     """
     found = engine.fit(fit.values, fit.slots, fit.noise, known=known, steps=LAST_STEPS)
-    if found.score < fit.score + STILL_CLIMBING:
-        return found
-    return engine.fit(along_the_valley(engine, found), fit.slots, fit.noise, steps=LAST_STEPS)
+    return Climb(found, found.score - fit.score)
+
+
+def to_its_end(engine: Engine, fit: Fit) -> Fit:
+    """Return a fit that still climbs where its valley ends."""
+    return engine.fit(along_the_valley(engine, fit), fit.slots, fit.noise, steps=LAST_STEPS)
+
+
+def climbed(engine: Engine, fit: Fit) -> Fit:
+    """Return a fit with all that climbing wins, at its noise."""
+    climb = last_steps(engine, fit)
+    return to_its_end(engine, climb.fit) if climb.goes_on else climb.fit
