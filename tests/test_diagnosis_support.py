@@ -234,6 +234,7 @@ def test_the_nearest_neighbour_of_an_effect_is_asked_whatever_it_had_alone(monke
 
     bank = SimpleNamespace(
         fit=fit,
+        parent=SimpleNamespace(slots=()),
         best_of=lambda effect: None,
         side_by_side=lambda work, things: [work(thing) for thing in things],
     )

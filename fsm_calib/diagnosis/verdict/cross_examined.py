@@ -24,6 +24,7 @@ from fsm_calib.diagnosis.proof.form_test import Remainder, contest
 from fsm_calib.diagnosis.proof.gap import gap_between
 from fsm_calib.diagnosis.proof.jolts import against_patch
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
+from fsm_calib.diagnosis.verdict.in_its_place import on_its_own_ground
 from fsm_calib.diagnosis.verdict.posterior import belief_of
 from fsm_calib.diagnosis.verdict.selection import Selection
 from fsm_calib.diagnosis.verdict.support import RivalGap, Support
@@ -112,8 +113,8 @@ def _in_its_place(engine: Engine, selection: Selection, effect: Ranked, less: Fi
         (r for r in best.values() if r.evidence > (0.0 if r.name in nearest else worth)),
         key=lambda r: (r.name not in nearest, -r.evidence),
     )[:TRIED_AGAIN]
-    bank, beside = Bank.on(engine, less), switched_off(selection.fit.values, [effect.name])
-    tried = bank.side_by_side(partial(_tried, bank, beside), asked)
+    bank = Bank.on(engine, less)
+    tried = bank.side_by_side(partial(_tried, bank, selection.fit, effect.name), asked)
     return [r for r in tried if r.evidence > 0.0]
 
 
@@ -128,12 +129,15 @@ def _rival(engine: Engine, whole: Fit, less: Fit, rival: Ranked) -> RivalGap:
     return RivalGap(rival.name, gap_between(engine, whole, ended), ended)
 
 
-def _tried(bank: Bank, beside: FloatArray, rival: Ranked) -> Ranked:
-    """Return a rival as it fits best: with all others as they are beside the effect, and from scratch."""
-    found = [bank.fit(rival.hypothesis, _start(beside, rival))]
+def _tried(bank: Bank, whole: Fit, name: str, rival: Ranked) -> Ranked:
+    """Return a rival in the place of the effect `name` as it fits best: with all others as they are in the whole, with
+    the robot as it was where the rival was alone, and from scratch.
+    """
+    found = [bank.fit(rival.hypothesis, _start(switched_off(whole.values, [name]), rival))]
     if registry()[rival.name].scan:
         found.append(bank.fit(rival.hypothesis, _start(bank.parent.values, rival)))
     else:
+        found.append(on_its_own_ground(bank, rival, whole, name))
         found += [r for r in [bank.best_of(registry()[rival.name])] if r is not None]
     return max(found, key=lambda r: r.fit.score)
 

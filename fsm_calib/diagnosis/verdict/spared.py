@@ -13,7 +13,8 @@ from dataclasses import replace
 
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
 from fsm_calib.diagnosis.fitting.fit import Fit
-from fsm_calib.diagnosis.verdict.swapped import Fitting, bank_without, has_closures
+from fsm_calib.diagnosis.verdict.in_its_place import Fitting
+from fsm_calib.diagnosis.verdict.swapped import bank_without, has_closures
 from fsm_calib.world2d.effects import registry
 
 
@@ -26,17 +27,17 @@ def spared(
     """
     for spare, less in reversed(list(zip(effects, dropped, strict=True))):
         for neighbour in (e for e in effects if _are_neighbours(e.name, spare.name)):
-            instead = _by_another_equation(fitting, less, neighbour)
+            instead = _by_another_equation(fitting, fit, less, neighbour)
             if instead is not None and evidence_of(fit, instead.fit, fitting.engine.count) < wanted:
                 rest = tuple(instead if e is neighbour else e for e in effects if e is not spare)
                 return rest, instead.fit
     return effects, fit
 
 
-def _by_another_equation(fitting: Fitting, fit: Fit, effect: Ranked) -> Ranked | None:
-    """Return an effect of a fit by its best equation; None where that is the one that it has."""
+def _by_another_equation(fitting: Fitting, whole: Fit, fit: Fit, effect: Ranked) -> Ranked | None:
+    """Return an effect of a fit by its best equation, as it may stand for the whole; None where it has that one."""
     bare = fitting.without(fit, effect.name)
-    tried = bank_without(fitting.engine, fit, bare).best_of(registry()[effect.name])
+    tried = bank_without(fitting.engine, whole, bare).best_of(registry()[effect.name])
     if tried is None or tried.hypothesis.closure == effect.hypothesis.closure:
         return None
     return replace(tried, fit=fitting.with_noise(tried.fit), evidence=effect.evidence)

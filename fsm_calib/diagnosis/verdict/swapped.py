@@ -10,34 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Protocol
 
-from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, strongest
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
+from fsm_calib.diagnosis.verdict.in_its_place import Fitting, on_its_own_ground
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
 RIVALS = 2  # of an earlier effect, asked again beside a new one
 NEAR = 0.4  # of its evidence: a rival that had less does not take its place
 BETTER = 3.0  # log-likelihood units that make another optimum worth a look
-
-
-class Fitting(Protocol):
-    """What fits the models of one robot."""
-
-    @property
-    def engine(self) -> Engine:
-        """Of its recordings."""
-        ...
-
-    def without(self, fit: Fit, name: str) -> Fit:
-        """Return the fit without one of its effects, everything else and the noise fitted again."""
-        ...
-
-    def with_noise(self, fit: Fit) -> Fit:
-        """Return a fit with its noise fitted again, and itself at that noise."""
-        ...
 
 
 def swapped(
@@ -95,6 +78,8 @@ def _with_another(
     bank = bank_without(fitting.engine, fit, fitting.without(fit, earlier.name))
     for rival in rivals:
         tried = bank.best_of(registry()[rival.name])
+        if rival is not earlier:
+            tried = strongest(r for r in (tried, on_its_own_ground(bank, rival, fit, earlier.name)) if r)
         if tried is not None and _is_better(fitting.engine, tried.fit, fit):
             effects = (*effects[:place], replace(tried, evidence=rival.evidence), *effects[place + 1 :])
             fit = tried.fit
