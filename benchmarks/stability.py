@@ -2,8 +2,8 @@
 
     python3 benchmarks/stability.py [--folder duckiebot-watchtower] [--first 4]
 
-Two answers contradict where one says a name with more than 0.8 that the other neither says nor has in a set, though it
-names something with more than 0.8, too. The recordings are not part of this repository (FSM_CALIB_SHARED, default
+Two answers contradict where one says with more than 0.8 a name, or that one of a set is right, of which the other has
+none, alone or in a set, though it names something with more than 0.8, too. The recordings are not part of this repository (FSM_CALIB_SHARED, default
 ../shared).
 """
 
@@ -32,8 +32,10 @@ def pairs_of(folder: str) -> list[tuple[Path, Path]]:
 
 def contradicts(one: dict, other: dict) -> bool:
     """Return whether an answer says surely what another sure answer leaves out."""
-    sure = [{n for n, p in answer["said"].items() if p > SURE} for answer in (one, other)]
-    return all(sure) and bool(sure[0] - other["names"] or sure[1] - one["names"])
+    sure = [[names for names, p in answer["said"].items() if p > SURE] for answer in (one, other)]
+    left_out = [not set(names) & other["names"] for names in sure[0]]
+    left_out += [not set(names) & one["names"] for names in sure[1]]
+    return all(sure) and any(left_out)
 
 
 def main() -> None:
@@ -48,14 +50,12 @@ def main() -> None:
     answers = []
     for pair in pairs_of(arguments.folder)[: arguments.first]:
         verdict = diagnose([read_recording(str(path)) for path in pair]).verdict
-        said = {e.name: e.confidence for e in verdict.effects}
-        names = set(said) | {name for group in verdict.ambiguous for name in group}
+        sets = {group[0]: tuple(group) for group in verdict.ambiguous}
+        said = {sets.get(e.name, (e.name,)): e.confidence for e in verdict.effects}
+        names = {name for group in said for name in group}
         answers.append({"pair": [p.name.split(".")[0] for p in pair], "said": said, "names": names})
-        shown = ", ".join(f"{name} {p:.2f}" for name, p in said.items()) or "-"
-        print(
-            f"{' + '.join(answers[-1]['pair'])}: {verdict.verdict}: {shown}; sets {verdict.ambiguous}",
-            flush=True,
-        )
+        shown = ", ".join(f"{' or '.join(names)} {p:.2f}" for names, p in said.items()) or "-"
+        print(f"{' + '.join(answers[-1]['pair'])}: {verdict.verdict}: {shown}", flush=True)
     robots = [a["pair"][0].split("-")[0] for a in answers]
     against = sum(
         contradicts(a, b)

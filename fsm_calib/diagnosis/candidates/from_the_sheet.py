@@ -1,11 +1,12 @@
 """Effects sought from the robot as its sheet states it, where the fit of the base robot is bent.
 
 A base robot that lacks a strong effect bends, and an effect that is fitted from there may not find its way back.
-Where the base rests more than three spreads from what is stated or usual (an axle 20 % too wide, a turn that lags
-0.9 s, tyres as on ice), every lasting effect is asked from there, too. (Two laps of a real Duckiebot: from a bent base
-a dead zone had 17 units of evidence, a caster none, a load 3, scrubbing tyres 372; from the sheet 779, 775, 757, 776.
-Laps tell none from the others, and each had been said with 0.9 by what its rivals had missed.) Robots of other engines
-whose base is not bent are told nothing new by it, nor those whose tyres creep by five spreads more than rubber.
+Where its axle or its lags rest more than three spreads from what is stated or usual (an axle 20 % too wide, a turn that
+lags by 0.9 s), every lasting effect is asked from there, too. (Two laps of a real Duckiebot: from a bent base a dead
+zone had 17 units of evidence, a caster none, a load 3, scrubbing tyres 372; from the sheet 779, 775, 757, 776. Laps
+tell none from the others; each had been said with 0.9 by what its rivals missed.) The tyres' numbers are no sign:
+their creep differs by five spreads from engine to engine, their grip gives way to a delay, and of five robots of other
+engines with such a base the strongest effects were found from the base itself.
 """
 
 from __future__ import annotations
@@ -27,17 +28,17 @@ from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.parameters import parameter_table
 
 BENT = 3.0  # spreads from where a number is expected
-CREEP = "slip_speed"  # differs by many spreads from engine to engine
+TYRES = ("slip_speed", "slip_ratio", "friction")
 GAINS = ("gain_left", "gain_right")
 
 
 def is_bent(base: Fit) -> bool:
-    """Return whether a number of the base robot, its tyres' creep aside, is far from what is stated or usual."""
-    creep = parameter_table().place(CREEP)
+    """Return whether a number of the base robot, its tyres' aside, is far from what is stated or usual."""
+    tyres = [parameter_table().place(name) for name in TYRES]
     return any(
         abs(value - slot.centre) > BENT * slot.spread
         for slot, value, _ in base.numbers()
-        if slot.spread > 0.0 and slot.place != creep
+        if slot.spread > 0.0 and slot.place not in tyres
     )
 
 
