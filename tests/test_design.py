@@ -21,6 +21,9 @@ from fsm_calib.diagnosis.design.separation import (
 from fsm_calib.diagnosis.design.sight import Sight
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.likelihood.noise import Noise
+from fsm_calib.diagnosis.proof.gap import Gap
+from fsm_calib.diagnosis.proof.gates import EXACT
+from fsm_calib.diagnosis.verdict.support import RivalGap
 from fsm_calib.types import Pose2
 from fsm_calib.world2d.parameters import NUISANCE, parameter_table
 
@@ -232,6 +235,19 @@ def test_a_moment_that_is_not_said_is_no_part_of_what_is_believed():
     assert belief_of(larger).leader.names == ("motor_deadband",)
     said = replace(larger, named=(*decision.named, replace(decision.named[0], effect=event)))
     assert set(belief_of(said).leader.names) == {"motor_deadband", "external_push"}
+
+
+def test_what_the_verdict_says_as_a_set_is_open_to_the_designer_too():
+    decision = diagnose([recording(0, 12.0, motor_deadband__offset=0.05)]).decision
+    known = decision.model.supports[0]
+    curve = next(r for r in decision.ranking if r.name == "motor_gain_curve")
+    gap = Gap(60.0, 90.0, 200)  # by its evidence alone its odds were exp(-10)
+    rival = replace(known, rivals=(RivalGap("motor_gain_curve", gap, curve.fit),))
+    found = belief_of(replace(decision, model=replace(decision.model, supports=(rival,))))
+    believed = {h.names: h.probability for h in found.hypotheses}
+    beaten = gap.probability_within(EXACT * known.added.evidence)
+    ratio = believed[("motor_gain_curve",)] / believed[("motor_deadband",)]
+    assert ratio == pytest.approx((1.0 - beaten) / beaten, rel=1e-6)
 
 
 @pytest.fixture(scope="module")

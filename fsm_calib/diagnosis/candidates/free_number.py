@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import STRONG, Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -17,9 +17,7 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
 
 STEPS = 8
-NEEDED = (
-    6.0  # evidence: "strong" (Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773); no part is accused by it
-)
+NEEDED = STRONG  # evidence; no part is accused by it
 SURE = 3.0  # standard deviations from its usual value, from which on a number is told
 KEPT = 0.5  # of its evidence beside a rival: a spot of grease leaves the grip a fifth, a mat that brakes leaves it all
 

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.asked import Distinct
+from fsm_calib.diagnosis.candidates.free_number import NEEDED
 from fsm_calib.diagnosis.candidates.polish import polished
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -45,7 +46,7 @@ def is_bent(base: Fit) -> bool:
 def sought_from_the_sheet(
     engine: Engine, base: Fit, ranking: Sequence[Ranked], effects: Sequence[Effect], distinct: Distinct
 ) -> list[Ranked]:
-    """Return a ranking on top of a bent base, sorted again, with the lasting effects where they do better.
+    """Return a ranking on top of a bent base, sorted again, with the lasting effects where they do clearly better.
 
     effects : the catalogue that may be asked; distinct : what is known of their starts.
     """
@@ -54,7 +55,7 @@ def sought_from_the_sheet(
     found = bank.rank([effect for effect in effects if not effect.scan])
     better = [ranked for ranked in found if evidence_of(ranked.fit, base, engine.count) > 0.0]
     for ended in bank.side_by_side(lambda ranked: polished(engine, ranked, base, names), better):
-        if ended.name not in had or ended.evidence > had[ended.name].evidence:
+        if ended.name not in had or ended.evidence > had[ended.name].evidence + NEEDED:
             had[ended.name] = ended
     return sorted(had.values(), key=lambda ranked: -ranked.evidence)
 

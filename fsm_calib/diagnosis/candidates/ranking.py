@@ -22,7 +22,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     starts_move_all,
 )
 from fsm_calib.diagnosis.candidates.once_more import once_more
-from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, strongest
+from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, simplest, strongest
 from fsm_calib.diagnosis.candidates.scan import Scanner, scan_of
 from fsm_calib.diagnosis.candidates.scanned import Plan, Plans, scanned
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
@@ -88,7 +88,7 @@ class Bank:
     def rank(
         self, effects: Iterable[Effect], progress: Progress = lambda name: None, noticed: float = 0.0
     ) -> list[Ranked]:
-        """Fit all effects in all their forms; return the best form of each, largest evidence first.
+        """Fit all effects in all their forms; return the best form of each (`simplest`), largest evidence first.
 
         Where a model already has effects, only the best joins it in this round: what stays far below the best so far
         is given up early, and asked again in the next. On the base robot all are fitted where one has more evidence
@@ -106,10 +106,10 @@ class Bank:
         kept = [kept for found in begun.values() for kept in self._kept(found)]
         near = {ranked.name for ranked in self._near(kept)}
         done = self._finished([ranked for ranked in kept if ranked.name in near])
-        best: dict[str, Ranked] = {}
-        for ranked in sorted([*done, *(r for r in kept if r.name not in near)], key=lambda r: -r.evidence):
-            best.setdefault(ranked.name, ranked)
-        return list(best.values())
+        whole = [*done, *(ranked for ranked in kept if ranked.name not in near)]
+        names = dict.fromkeys(ranked.name for ranked in whole)
+        best = [simplest([ranked for ranked in whole if ranked.name == name]) for name in names]
+        return sorted(best, key=lambda ranked: -ranked.evidence)
 
     def _each_asked(self, effects: Sequence[Effect], progress: Progress) -> list[Asked]:
         """Return what each effect begins; on the base robot, where none hangs on the others, what it began before."""

@@ -1,9 +1,10 @@
 """From a diagnosis to a belief: the one place where the designer looks into a decision.
 
-Odds follow from the diagnosis' evidence by one law (`odds`). Every effect that won no evidence may still hide, alone
-where nothing was detected or what is missing has no name, else beside the answer, at sizes that matter, as far as the
-drives allow (`unseen`). Events happen once; in a new drive they change nothing. What an effect explains may be of the
-floor that was driven on (`floor_here`).
+Odds follow from the diagnosis' evidence by one law (`odds`); a rival that the verdict has in a set with an effect is as
+open here as there (laps of a real Duckiebot: a dead zone 18 units behind a caster, beaten with 0.7). Every effect that
+won no evidence may still hide, alone where nothing was detected or what is missing has no name, else beside the
+answer, at sizes that matter, as far as the drives allow (`unseen`). Events happen once; in a new drive they change
+nothing. What an effect explains may be of the floor that was driven on (`floor_here`).
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
 from fsm_calib.diagnosis.verdict.decide import Decision
-from fsm_calib.diagnosis.verdict.support import Support
+from fsm_calib.diagnosis.verdict.support import RivalGap, Support
 from fsm_calib.diagnosis.verdict.systematic_error import model_spread
 from fsm_calib.recording.recording import RobotFacts
 from fsm_calib.types import FloatArray
@@ -48,6 +49,7 @@ MOST = 14  # explanations that are kept: those behind have a thousandth of the d
 LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
 PRIOR_SPREAD = 0.4  # of a typical size, before anything was driven
 FURTHER = 0.1  # odds that an answer lacks an effect, before the drives are asked: most are found
+TINY = 1e-12
 UNNAMED = 0.5  # probability that no name is right, where the diagnosis gives none
 PRIOR_BASE = {
     "gain_left": 0.08, "gain_right": 0.08, "axle_length": 0.005, "tau_forward": 0.05, "tau_turn": 0.06,
@@ -207,20 +209,27 @@ def _answer(decision: Decision, catalogue: int) -> Weighed:
 
 
 def _several(decision: Decision, catalogue: int) -> Iterator[Weighed]:
-    """Yield an answer of several effects, the same without each of them, and with each of its rivals in its place."""
+    """Yield an answer of several effects, the same without each of them, and an answer with a rival in a place."""
     told, base = _told(decision), decision.base
-    if len(decision.model.supports) < 2:
+    if not told:
         return
-    names = tuple(s.name for s in told)
+    names, (odds, _) = tuple(s.name for s in told), _answer(decision, catalogue)
     total = evidence_of(decision.model.fit, base, decision.engine.count)
-    if names:
+    if len(decision.model.supports) > 1:
         yield _answer(decision, catalogue)
     for i, support in enumerate(told):
         rest = names[:i] + names[i + 1 :]
         if len(rest) > 1:
             yield _weighed(total - support.added.evidence, support.without, rest, base, catalogue)
         for rival in support.rivals:
-            yield _in_place_of(decision, i, rival.name, rival.fit, rival.gap.evidence, catalogue)
+            by_law, other = _in_place_of(decision, i, rival.name, rival.fit, rival.gap.evidence, catalogue)
+            yield max(by_law, odds + _open(support, rival)), other
+
+
+def _open(support: Support, rival: RivalGap) -> float:
+    """Return the log odds of a rival against an effect as the verdict has them: what it says as a set is open."""
+    beaten = rival.gap.probability_within(EXACT * max(support.added.evidence, 0.0))
+    return math.log(max(1.0 - beaten, TINY) / max(beaten, TINY))
 
 
 def _floor_here(decision: Decision, answer: Weighed, catalogue: int) -> Iterator[Weighed]:

@@ -196,10 +196,10 @@ class Selector:
                 best.fit, self.base, self.engine.count
             ):
                 best, others[i] = other, best
-        said = {e.name for e in best.effects}
-        return replace(
-            best, beside=tuple((s.rankings[0][0], s.fit) for s in others if s.rankings[0][0].name not in said)
-        )
+        said, leader = {e.name for e in best.effects}, best.rankings[0][0].name
+        rivals = [s for s in others if leader not in {e.name for e in s.effects}]
+        found = [(s.rankings[0][0], s.fit) for s in rivals if s.rankings[0][0].name not in said]
+        return replace(best, beside=tuple(found))
 
     def _led_by(self, best: Selection, rival: Ranked) -> Selection | None:
         """Return what grows from a selection with a rival in the place of the first that joined it.

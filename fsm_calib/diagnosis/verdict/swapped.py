@@ -109,7 +109,7 @@ def _moved_up(
     tried = bank_without(fitting.engine, fit, bare).best_of(registry()[last.name])
     kept = {e.name for e in effects if e is not earlier}
     rounds = [r for found in _rounds_of(earlier.name, rankings) for r in found if r.name == last.name]
-    then = [r for r in rounds if set(parameter_table().active_effects(r.fit.values[0])) == kept]
+    then = [r for r in rounds if _has(r.fit, kept) and _are_alike_late(r.fit, fit)]
     anew = [] if tried is None else [tried]
     tried = max([*then, *anew], key=lambda r: r.fit.score, default=None)
     if tried is None:
@@ -119,6 +119,16 @@ def _moved_up(
         return effects, fit
     moved = replace(tried, fit=alone, evidence=earlier.evidence)
     return (*effects[:place], moved, *effects[place + 1 : -1]), alone
+
+
+def _has(fit: Fit, names: set[str]) -> bool:
+    """Return whether a fit has these effects and no others."""
+    return set(parameter_table().active_effects(fit.values[0])) == names
+
+
+def _are_alike_late(one: Fit, other: Fit) -> bool:
+    """Return whether both fits have punctual commands, or neither (`verdict/punctual.py`)."""
+    return (one.noise.jitter > 0.0) == (other.noise.jitter > 0.0)
 
 
 def bank_without(engine: Engine, fit: Fit, less: Fit) -> Bank:
