@@ -217,7 +217,7 @@ def test_noise_level_counts_the_parameters_that_were_fitted():
     problem = Problem(
         run, np.ones(8), np.zeros(8), np.where(np.arange(8) == 7, 1.0, free), noise, np.zeros(8)
     )
-    found = maximise(problem, np.zeros(8), 4, spare=7).parameters[6]
+    found = maximise(problem, np.zeros(8), np.ones(4, dtype=bool), spare=7).parameters[6]
     left = seen - design @ np.linalg.lstsq(design, seen, rcond=None)[0]
     assert np.exp(2.0 * found) == pytest.approx((left**2).sum() / (12 - 6), rel=0.05)
 
