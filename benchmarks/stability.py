@@ -3,9 +3,9 @@
     python3 benchmarks/stability.py [--folder duckiebot-watchtower] [--first 4]
 
 Two answers contradict where one says with more than 0.8 a name, or that one of a set is right, of which the other has
-none, alone or in a set, though it names something with more than 0.8, too. What one says first (its strongest effect) is
-counted apart: a second effect may be too faint in the other's drives. The recordings are not part of this repository (FSM_CALIB_SHARED, default
-../shared).
+none, alone or in a set, though it names something with more than 0.8, too. What each says first with more than 0.8 is
+counted apart: a second effect may be too faint in the other's drives. The recordings are not part of this repository
+(FSM_CALIB_SHARED, default ../shared).
 """
 
 from __future__ import annotations
@@ -33,11 +33,10 @@ def pairs_of(folder: str) -> list[tuple[Path, Path]]:
 
 def contradicts(one: dict, other: dict, first: bool = False) -> bool:
     """Return whether an answer says surely, or says first and surely, what another sure answer leaves out."""
-    sure = [[names for names, p in answer["said"].items() if p > SURE] for answer in (one, other)]
-    asked = [names[:1] if first else names for names in sure]
-    left_out = [not set(names) & other["names"] for names in asked[0]]
-    left_out += [not set(names) & one["names"] for names in asked[1]]
-    return all(sure) and any(left_out)
+    sure, others = [[names for names, p in a["said"].items() if p > SURE] for a in (one, other)]
+    left_out = [not other["names"].intersection(names) for names in (sure[:1] if first else sure)]
+    left_out += [not one["names"].intersection(names) for names in (others[:1] if first else others)]
+    return bool(sure and others) and any(left_out)
 
 
 def main() -> None:

@@ -72,14 +72,9 @@ def driven(holds, rng, noise, **changes):
 def laps(seed=0, duration=40.0, **changes):
     """Return a recording of a `robot` with `changes` in lane following: the sum of its commands is constant."""
     rng = np.random.default_rng(seed)
-    time = np.arange(0.5, duration, 0.5)
-    steering = 0.12 * rng.normal(size=len(time)).clip(-2.0, 2.0)
-    commands = Drive(time, 0.3 + steering, 0.3 - steering)
-    stamps = np.arange(0.0, duration, 1.0 / RATE)
-    poses = predict(robot(**changes), commands, stamps, START).poses
-    poses = poses + rng.normal(size=poses.shape) * [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE]
-    command = CommandTrack(commands.time, commands.left, commands.right)
-    return Recording(robot=FACTS, command=command, pose=PoseTrack(stamps, *poses.T), source="laps")
+    steering = 0.12 * rng.normal(size=int(2.0 * duration)).clip(-2.0, 2.0)
+    holds = [(0.5, 0.3 + s, 0.3 - s) for s in steering]
+    return driven(holds, rng, [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE], **changes)
 
 
 def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, jitter=0.0, **changes):

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 from fsm_calib.diagnosis.candidates.approached import BEHIND, Approached, worth_following
 
 
-def near(name, score, won=5.0, goes_on=True):
-    return Approached(SimpleNamespace(name=name, fit=SimpleNamespace(score=score)), won, goes_on)
+def near(name, score, won=5.0):
+    return Approached(SimpleNamespace(name=name, fit=SimpleNamespace(score=score)), won)
 
 
 def test_the_best_form_is_followed_while_it_climbs():
@@ -15,7 +15,7 @@ def test_the_best_form_is_followed_while_it_climbs():
 
 
 def test_a_form_whose_steps_won_nothing_is_not_followed():
-    assert worth_following([near("a", 100.0, won=1.0, goes_on=False)]) == []
+    assert worth_following([near("a", 100.0, won=1.0)]) == []
 
 
 def test_a_form_far_behind_is_followed_only_where_its_steps_won_as_much():

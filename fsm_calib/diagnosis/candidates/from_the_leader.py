@@ -29,15 +29,26 @@ def sought_again(
     effects : the catalogue that may be asked.
     """
     leader = ranking[0]
-    had = {r.name: r for r in ranking}
-    near = {n for n, r in had.items() if r.evidence > NEAR * leader.evidence}
+    near = {r.name for r in ranking if r.evidence > NEAR * leader.evidence}
     asked = [
         e for e in effects if e.name in registry()[leader.name].rivals and not e.scan and e.name not in near
     ]
     values = switched_off(leader.fit.values, [leader.name])
     bare = engine.fit(values, base.slots, leader.fit.noise, steps=0)
-    bank, names = Bank.on(engine, bare), noise_names(engine.simulators)
-    for told in bank.side_by_side(lambda found: polished(engine, found, base, names), bank.rank(asked)):
-        if told.name not in had or told.evidence > had[told.name].evidence:
-            had[told.name] = told
-    return sorted(had.values(), key=lambda r: -r.evidence)
+    bank = Bank.on(engine, bare)
+    return with_better(ranking, ended_on(bank, base, bank.rank(asked)))
+
+
+def ended_on(bank: Bank, base: Fit, found: Sequence[Ranked]) -> list[Ranked]:
+    """Return what a bank has found fitted to its end, with its evidence over the base."""
+    names = noise_names(bank.engine.simulators)
+    return bank.side_by_side(lambda ranked: polished(bank.engine, ranked, base, names), found)
+
+
+def with_better(ranking: Sequence[Ranked], found: Sequence[Ranked], by: float = 0.0) -> list[Ranked]:
+    """Return a ranking, sorted again, with what was found in the place of what has less evidence `by` so much."""
+    had = {ranked.name: ranked for ranked in ranking}
+    for ranked in found:
+        if ranked.name not in had or ranked.evidence > had[ranked.name].evidence + by:
+            had[ranked.name] = ranked
+    return sorted(had.values(), key=lambda ranked: -ranked.evidence)

@@ -16,11 +16,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.asked import Distinct
-from fsm_calib.diagnosis.candidates.free_number import NEEDED
-from fsm_calib.diagnosis.candidates.polish import polished
-from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.from_the_leader import ended_on, with_better
+from fsm_calib.diagnosis.candidates.ranked import STRONG, Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
-from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, noise_names
+from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import Slot, with_slots
 from fsm_calib.diagnosis.replay.simulator import nominal_values
@@ -50,14 +49,10 @@ def sought_from_the_sheet(
 
     effects : the catalogue that may be asked; distinct : what is known of their starts.
     """
-    had = {ranked.name: ranked for ranked in ranking}
-    bank, names = Bank.on(engine, _straight(engine, base), distinct=distinct), noise_names(engine.simulators)
+    bank = Bank.on(engine, _straight(engine, base), distinct=distinct)
     found = bank.rank([effect for effect in effects if not effect.scan])
     better = [ranked for ranked in found if evidence_of(ranked.fit, base, engine.count) > 0.0]
-    for ended in bank.side_by_side(lambda ranked: polished(engine, ranked, base, names), better):
-        if ended.name not in had or ended.evidence > had[ended.name].evidence + NEEDED:
-            had[ended.name] = ended
-    return sorted(had.values(), key=lambda ranked: -ranked.evidence)
+    return with_better(ranking, ended_on(bank, base, better), STRONG)
 
 
 def _straight(engine: Engine, base: Fit) -> Fit:

@@ -309,14 +309,14 @@ class Bank:
     def _approached(self, ranked: Ranked) -> Approached:
         """Fit the noise again, and the hypothesis at that noise; what has won nothing stays as it is."""
         if ranked.gain <= self._worth:
-            return Approached(ranked, 0.0, goes_on=False)
+            return Approached(ranked, 0.0)
         given = self._measured(registry()[ranked.name])
         ranked = with_best_choice(ranked, self.prober, given, self._begun)
         fit, known = self.engine.refit_noise(ranked.fit, SPEED_NOISE, 2), self.parent.columns
         if fit.score > self.parent.score + FAR:
             known = jacobian(self.engine.simulators, fit.values, self.parent.slots, fit.simulated)
-        climb = last_steps(self.engine, fit, known)
-        return Approached(self._ranked(ranked.hypothesis, climb.fit), climb.won, climb.goes_on)
+        found = last_steps(self.engine, fit, known)
+        return Approached(self._ranked(ranked.hypothesis, found), found.score - fit.score)
 
     def _followed(self, found: Approached) -> Ranked:
         """Return a fit where its valley ends."""

@@ -37,6 +37,7 @@ from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
 from fsm_calib.diagnosis.verdict.decide import Decision
+from fsm_calib.diagnosis.verdict.posterior import TINY
 from fsm_calib.diagnosis.verdict.support import RivalGap, Support
 from fsm_calib.diagnosis.verdict.systematic_error import model_spread
 from fsm_calib.recording.recording import RobotFacts
@@ -49,7 +50,6 @@ MOST = 14  # explanations that are kept: those behind have a thousandth of the d
 LEAST_GAIN = 0.5  # log-likelihood units: a fit that won less found nothing
 PRIOR_SPREAD = 0.4  # of a typical size, before anything was driven
 FURTHER = 0.1  # odds that an answer lacks an effect, before the drives are asked: most are found
-TINY = 1e-12
 UNNAMED = 0.5  # probability that no name is right, where the diagnosis gives none
 PRIOR_BASE = {
     "gain_left": 0.08, "gain_right": 0.08, "axle_length": 0.005, "tau_forward": 0.05, "tau_turn": 0.06,
@@ -213,22 +213,22 @@ def _several(decision: Decision, catalogue: int) -> Iterator[Weighed]:
     told, base = _told(decision), decision.base
     if not told:
         return
-    names, (odds, _) = tuple(s.name for s in told), _answer(decision, catalogue)
+    names, answer = tuple(s.name for s in told), _answer(decision, catalogue)
     total = evidence_of(decision.model.fit, base, decision.engine.count)
     if len(decision.model.supports) > 1:
-        yield _answer(decision, catalogue)
+        yield answer
     for i, support in enumerate(told):
         rest = names[:i] + names[i + 1 :]
         if len(rest) > 1:
             yield _weighed(total - support.added.evidence, support.without, rest, base, catalogue)
         for rival in support.rivals:
             by_law, other = _in_place_of(decision, i, rival.name, rival.fit, rival.gap.evidence, catalogue)
-            yield max(by_law, odds + _open(support, rival)), other
+            yield max(by_law, answer[0] + _open(support, rival)), other
 
 
 def _open(support: Support, rival: RivalGap) -> float:
     """Return the log odds of a rival against an effect as the verdict has them: what it says as a set is open."""
-    beaten = rival.gap.probability_within(EXACT * max(support.added.evidence, 0.0))
+    beaten = support.beats(rival.gap)
     return math.log(max(1.0 - beaten, TINY) / max(beaten, TINY))
 
 

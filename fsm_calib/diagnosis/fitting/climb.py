@@ -9,7 +9,6 @@ ends.)
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.valley import along_the_valley
@@ -19,26 +18,17 @@ LAST_STEPS = 6  # Gauss-Newton steps; in most cases the last one wins next to no
 STILL_CLIMBING = 3.0  # log-likelihood units that they must have won for the fit to go on along the valley
 
 
-@dataclass(frozen=True, eq=False)
-class Climb:
-    """A fit after the last Gauss-Newton steps, and the log-likelihood that they won."""
-
-    fit: Fit
-    won: float
-
-    @property
-    def goes_on(self) -> bool:
-        """Whether the fit still climbed when its steps were up."""
-        return self.won >= STILL_CLIMBING
-
-
-def last_steps(engine: Engine, fit: Fit, known: Sequence[FloatArray] | None = None) -> Climb:
+def last_steps(engine: Engine, fit: Fit, known: Sequence[FloatArray] | None = None) -> Fit:
     """Return a fit with what more Gauss-Newton steps win, at its noise.
 
     known : raw columns (n, 5, q) of the first q slots, computed nearby.
     """
-    found = engine.fit(fit.values, fit.slots, fit.noise, known=known, steps=LAST_STEPS)
-    return Climb(found, found.score - fit.score)
+    return engine.fit(fit.values, fit.slots, fit.noise, known=known, steps=LAST_STEPS)
+
+
+def still_climbs(won: float) -> bool:
+    """Return whether a fit whose last steps won so much log-likelihood goes on along a valley."""
+    return won >= STILL_CLIMBING
 
 
 def to_its_end(engine: Engine, fit: Fit) -> Fit:
@@ -48,5 +38,5 @@ def to_its_end(engine: Engine, fit: Fit) -> Fit:
 
 def climbed(engine: Engine, fit: Fit) -> Fit:
     """Return a fit with all that climbing wins, at its noise."""
-    climb = last_steps(engine, fit)
-    return to_its_end(engine, climb.fit) if climb.goes_on else climb.fit
+    found = last_steps(engine, fit)
+    return to_its_end(engine, found) if still_climbs(found.score - fit.score) else found

@@ -113,8 +113,8 @@ def fit_pose(pose: PoseTrack, motion: Motion, start: Alignment) -> PoseFit:
     parameters = _parameters(motion, start, heading)
     free = tuple(parameters)
     problem = _problem(pose, motion, parameters, start, heading)
-    firsts = _firsts(problem, parameters, len(pose))
     every = np.ones(len(pose), dtype=bool)
+    firsts = _firsts(problem, parameters, every)
     found = [maximise(problem, first, every, free.index("s_b")) for first in firsts]
     if len(found) > 1 and found[1].log_likelihood > found[0].log_likelihood:
         found[0] = _searched(problem, motion, free, found[0], found[1])
@@ -138,18 +138,18 @@ def _parameters(motion: Motion, start: Alignment, heading: bool) -> dict[str, Pa
     return parameters
 
 
-def _firsts(problem: Problem, parameters: dict[str, Parameter], rows: int) -> list[FloatArray]:
+def _firsts(problem: Problem, parameters: dict[str, Parameter], every: np.ndarray) -> list[FloatArray]:
     """Return where to begin, each (p,): the declared guess and, where another is likelier, that one, too.
 
     The likelier guess may lie on the lesser hill: where a robot's commands answer its poses, early ones look likely.
     """
     declared = np.array([parameter.first for parameter in parameters.values()])
-    first, all_rows = declared, np.ones(rows, dtype=bool)
+    first = declared
     for i, parameter in enumerate(parameters.values()):
         tried = np.tile(first, (1 + len(parameter.others), 1))
         tried[1:, i] = parameter.others
         if parameter.others:
-            first = max(tried, key=lambda guess: problem.objective(guess, all_rows))
+            first = max(tried, key=lambda guess: problem.objective(guess, every))
     return [declared] if (first == declared).all() else [declared, first]
 
 

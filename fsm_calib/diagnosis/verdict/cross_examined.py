@@ -19,16 +19,15 @@ from fsm_calib.diagnosis.candidates.starts import Start
 from fsm_calib.diagnosis.fitting.base import noise_names, settled
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
-from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
+from fsm_calib.diagnosis.fitting.values import taken_over
 from fsm_calib.diagnosis.proof.form_test import Remainder, contest
 from fsm_calib.diagnosis.proof.gap import gap_between
 from fsm_calib.diagnosis.proof.jolts import against_patch
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
-from fsm_calib.diagnosis.verdict.in_its_place import on_its_own_ground
+from fsm_calib.diagnosis.verdict.in_its_place import among_the_others, on_its_own_ground
 from fsm_calib.diagnosis.verdict.posterior import belief_of
 from fsm_calib.diagnosis.verdict.selection import Selection
 from fsm_calib.diagnosis.verdict.support import RivalGap, Support
-from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 
 TRIED_AGAIN = 3  # names that are fitted in an effect's place beside the others
@@ -133,15 +132,11 @@ def _tried(bank: Bank, whole: Fit, name: str, rival: Ranked) -> Ranked:
     """Return a rival in the place of the effect `name` as it fits best: with all others as they are in the whole, with
     the robot as it was where the rival was alone, and from scratch.
     """
-    found = [bank.fit(rival.hypothesis, _start(switched_off(whole.values, [name]), rival))]
+    found = [bank.fit(rival.hypothesis, Start(among_the_others(whole, name, rival), 0.0))]
     if registry()[rival.name].scan:
-        found.append(bank.fit(rival.hypothesis, _start(bank.parent.values, rival)))
+        alone = taken_over(bank.parent.values, rival.name, rival.fit.values)
+        found.append(bank.fit(rival.hypothesis, Start(alone, 0.0)))
     else:
         found.append(on_its_own_ground(bank, rival, whole, name))
         found += [r for r in [bank.best_of(registry()[rival.name])] if r is not None]
     return max(found, key=lambda r: r.fit.score)
-
-
-def _start(values: FloatArray, rival: Ranked) -> Start:
-    """Return a start at `values` (R, p) with a rival's own numbers as its fit has them."""
-    return Start(taken_over(values, rival.name, rival.fit.values), 0.0)

@@ -16,6 +16,7 @@ from fsm_calib.diagnosis.candidates.starts import Start
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import slot_numbers, with_slots
 from fsm_calib.diagnosis.fitting.values import switched_off, taken_over
+from fsm_calib.types import FloatArray
 from fsm_calib.world2d.parameters import parameter_table
 
 
@@ -36,9 +37,14 @@ class Fitting(Protocol):
         ...
 
 
+def among_the_others(whole: Fit, name: str, rival: Ranked) -> FloatArray:
+    """Return the parameters (R, p) of a model with a rival as it was fitted in the place of its effect `name`."""
+    return taken_over(switched_off(whole.values, [name]), rival.name, rival.fit.values)
+
+
 def in_the_others_company(fitting: Fitting, rival: Ranked, whole: Fit, name: str) -> Ranked:
     """Return a rival of the effect `name`, fitted from where the whole model has the others, if better."""
-    values = taken_over(switched_off(whole.values, [name]), rival.name, rival.fit.values)
+    values = among_the_others(whole, name, rival)
     moved = fitting.with_noise(fitting.engine.fit(values, rival.fit.slots, whole.noise))
     if moved.score <= rival.fit.score:
         return rival
@@ -54,6 +60,5 @@ def on_its_own_ground(bank: Bank, rival: Ranked, whole: Fit, name: str) -> Ranke
     """
     owner = parameter_table().owner
     ground = [slot for slot in bank.parent.slots if not owner[slot.place]]
-    values = taken_over(switched_off(whole.values, [name]), rival.name, rival.fit.values)
-    values = with_slots(values, ground, slot_numbers(rival.fit.values, ground))
+    values = with_slots(among_the_others(whole, name, rival), ground, slot_numbers(rival.fit.values, ground))
     return bank.fit(rival.hypothesis, Start(values, 0.0))

@@ -24,7 +24,6 @@ from dataclasses import dataclass
 
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.proof.gap import TOLD_APART
-from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.verdict.support import SLIGHT, Support
 
 SURE = 3.2  # log odds of a name that leaves nothing
@@ -55,11 +54,10 @@ class Belief:
 
 def belief_of(support: Support) -> Belief:
     """Return how sure an effect's name is, and which names the data cannot tell from it."""
-    inexact = EXACT * max(support.added.evidence, 0.0)
-    beaten = [(r.name, r.gap.probability_within(inexact)) for r in support.rivals]
+    beaten = [(r.name, support.beats(r.gap)) for r in support.rivals]
     near = [name for name, p in beaten if p < TOLD_APART]
     against = sum((1.0 - p) / p for _, p in beaten if p >= TOLD_APART)
-    against += sum((1.0 - p) / max(p, TINY) for p in (t.probability_within(inexact) for t in support.twins))
+    against += sum((1.0 - p) / max(p, TINY) for p in map(support.beats, support.twins))
     probability = support.alone.probability * shape_probability(support) / (1.0 + against)
     return Belief(support.effect, probability, (support.name, *near))
 

@@ -90,14 +90,11 @@ class Selector:
     distinct: Distinct = field(default_factory=dict)
     banks: Banks = field(default_factory=Banks)
 
-    def ranked(self, bank: Bank, parent: Fit, effects: Sequence[Effect] | None = None) -> list[Ranked]:
-        """Return the effects (all) on top of a parent, the leaders polished, implausible ones left out.
+    def _told(self, found: list[Ranked], parent: Fit) -> list[Ranked]:
+        """Return what was found on top of a parent, the leaders polished, implausible ones left out.
 
         An event counts with what happened of its kind in the other recordings: others explain all of them, too.
         """
-        found = bank.rank(self.catalogue if effects is None else effects, self.progress, self.needed)
-        if parent is self.base and is_bent(parent):
-            found = sought_from_the_sheet(self.engine, parent, found, self.catalogue, self.distinct)
         told = [r for r in self._polish(found, parent) if self._is_told(r)]
         least = max(self.needed, EVENT_SHARE * told[0].evidence) if told else 0.0
         whole = [
@@ -112,7 +109,10 @@ class Selector:
         With the bank that fitted them.
         """
         bank = self.banks.on(self.engine, self.base, self.distinct)
-        ranking = self.ranked(bank, self.base)
+        found = bank.rank(self.catalogue, self.progress, self.needed)
+        if is_bent(self.base):
+            found = sought_from_the_sheet(self.engine, self.base, found, self.catalogue, self.distinct)
+        ranking = self._told(found, self.base)
         if not ranking or ranking[0].evidence < self.needed:
             return bank, ranking
         again = sought_again(self.engine, self.base, ranking, self.catalogue)
@@ -234,9 +234,8 @@ class Selector:
             return None
         wanted = self._wanted(selection)
         before = {r.name: i for i, r in enumerate(selection.rankings[-1])}
-        found = self.ranked(
-            bank, selection.fit, sorted(further, key=lambda e: before.get(e.name, len(before)))
-        )
+        in_order = sorted(further, key=lambda e: before.get(e.name, len(before)))
+        found = self._told(bank.rank(in_order, self.progress, self.needed), selection.fit)
         rankings = (*selection.rankings, tuple(found))
         if not found or found[0].evidence < wanted:
             return None

@@ -66,6 +66,13 @@ class Support:
         spread = elsewhere if elsewhere > 0.0 else self.added.spread
         return replace(self.added, spread=math.hypot(spread, EXACT * self.others))
 
+    def beats(self, other: Gap) -> float:
+        """Return the probability that the effect is nearer to the truth than what lacks so much evidence beside it.
+
+        No equation is exact to less than a hundredth of what it explains (EXACT).
+        """
+        return other.probability_within(EXACT * max(self.added.evidence, 0.0))
+
     @property
     def left(self) -> float:
         """What un-named forms beside the whole model explain, as a share of what the effect adds."""
