@@ -108,6 +108,17 @@ def test_a_duckiebot_whose_commands_answer_its_poses_does_not_move_before_it_is_
     assert 0.1 < found.value("tau_turn") < 0.2
 
 
+def test_a_few_commands_that_were_not_recorded_do_not_tell_a_delay():
+    laps = [
+        identify([read_recording(shared(f"duckiebot-watchtower/{run}.recording.yaml"))])
+        for run in ("b2-run3", "b2-run5")
+    ]
+    delays = [lap.value("command_delay") for lap in laps]
+    spread = [lap.estimates["command_delay"].sd for lap in laps]
+    assert min(spread) > 0.002
+    assert abs(delays[0] - delays[1]) < 3.0 * np.hypot(*spread)
+
+
 def test_command_line_writes_the_contract(tmp_path):
     out = tmp_path / "out.json"
     path = shared("khepera3/l90.recording.yaml")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from recording_samples import ROOT
 
-from fsm_calib.diagnosis.identify.filter import settling_noise, sway
+from fsm_calib.diagnosis.identify.filter import BY_COMMANDS, innovations, settling_noise, sway
 from fsm_calib.diagnosis.identify.identify import identify
 from fsm_calib.diagnosis.identify.result import Estimate, Identification, combined
 from fsm_calib.diagnosis.identify.robust_rows import jacobian_of, robust_fit
@@ -32,6 +32,23 @@ def test_arc_agrees_with_many_small_straight_steps():
     x, y, theta = dead_reckon(np.full(20000, 0.5 / 20000), np.full(20000, 1.2 / 20000), (0.0, 0.0, 0.0))
     dx, dy = arc(np.array([0.5]), np.array([1.2]))
     assert (x[-1], y[-1], theta[-1]) == pytest.approx((dx[0], dy[0], 1.2), abs=1e-9)
+
+
+def test_where_no_command_is_known_the_robot_is_lost_as_fast_as_robots_drive():
+    unknown, seconds, tau = 1.0, 0.1, 0.2
+    steps = np.array(
+        [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]] + [[seconds, 0.3, 0.0, 0.0, k, 0.0] for k in range(1, 40)]
+    )
+    steps[-1, 3] = unknown
+    seen = np.column_stack([0.03 * np.arange(40), np.zeros(40), np.zeros(40)])
+    every = np.ones(40, dtype=bool)
+    observed = np.array([0.0, 0.0, 0.0, 1e-6, 1e-6, 0.0])
+    dynamics = np.array([tau, tau, 1e-4, 1e-4, 0.0])
+    _, S = innovations(BY_COMMANDS, steps, seen, every, every, np.zeros(4), observed, dynamics)
+    known, lost = np.sqrt(S[-2]), np.sqrt(S[-1])
+    assert known[0, 0] < 0.005
+    assert 0.1 * 0.5 * seconds < lost[0, 0] < 0.5 * seconds
+    assert 0.1 * 5.0 * seconds < lost[2, 2] < 5.0 * seconds
 
 
 def test_sensor_motion_agrees_with_transforms():
@@ -217,7 +234,7 @@ def test_noise_level_counts_the_parameters_that_were_fitted():
     problem = Problem(
         run, np.ones(8), np.zeros(8), np.where(np.arange(8) == 7, 1.0, free), noise, np.zeros(8)
     )
-    found = maximise(problem, np.zeros(8), np.ones(4, dtype=bool), spare=7).parameters[6]
+    found = maximise(problem, np.zeros(8), 4, spare=7).parameters[6]
     left = seen - design @ np.linalg.lstsq(design, seen, rcond=None)[0]
     assert np.exp(2.0 * found) == pytest.approx((left**2).sum() / (12 - 6), rel=0.05)
 

@@ -15,8 +15,9 @@ turn rate change in it, to the left by its sway
 curvature come out too long, and lengths fitted to them too short). Noise of commands:
 white accelerations of spectral density q_f [m2/s3] and q_t [rad2/s3]; of wheels: variances q_f |p| [m2] of
 the path and q_t |p| [rad2] of the turn, p [m] = the mean way of the two wheels, forth or back (Chong, Kleeman
-1997, DOI 10.1109/ROBOT.1997.606708). Measured is the tracked
-point's pose,
+1997, DOI 10.1109/ROBOT.1997.606708). While nobody knows the command, the accelerations are those that lose the speeds
+within UNKNOWN_AFTER; more would lose the heading, too, and no filter of this kind finds its way from there. Measured is
+the tracked point's pose,
 
     x + R(theta) (px, py), theta + psi       with noise variances r_xy [m2], r_theta [rad2], white,
 
@@ -45,7 +46,7 @@ FIRST_SPEED, FIRST_TURN_RATE = 0.5, 5.0  # m/s, rad/s: a recording may begin whi
 STILL_SPEED, STILL_TURN_RATE = 0.005, 0.05  # m/s, rad/s: slower without a command, the robot stands
 STILL_NOISE = 1e-4  # factor on the noise while it stands
 SHORT = 1e-3  # of a time constant: shorter steps take the noise's integrals by their series
-FRESH = 1e6  # factor: after a hole in the log the speeds are as good as unknown
+UNKNOWN_AFTER = 0.1  # s without a known command, until the speeds are as little known as in the beginning
 
 
 @njit(cache=True, error_model="numpy")
@@ -247,13 +248,13 @@ def innovations(mode, steps, z, heading_known, used, start, p, dyn):  # type: ig
             _predict_wheels(s, P, steps[i, 1], steps[i, 2], steps[i, 5], dyn[2], dyn[3], steps[i, 3])
             _forget(s, P, steps[i, 3], dyn[4])
         elif h > 0.0:
-            fresh = FRESH if steps[i, 3] > 0.5 else 1.0
+            q_f, q_t = dyn[2], dyn[3]
+            if steps[i, 3] > 0.5:
+                q_f, q_t = q_f + FIRST_SPEED**2 / UNKNOWN_AFTER, q_t + FIRST_TURN_RATE**2 / UNKNOWN_AFTER
             asked = abs(steps[i, 1]) + abs(steps[i, 2])
             if asked == 0.0 and abs(s[3]) < STILL_SPEED and abs(s[4]) < STILL_TURN_RATE:
-                fresh *= STILL_NOISE
-            _predict_commands(
-                s, P, h, steps[i, 1], steps[i, 2], dyn[0], dyn[1], dyn[2] * fresh, dyn[3] * fresh
-            )
+                q_f, q_t = q_f * STILL_NOISE, q_t * STILL_NOISE
+            _predict_commands(s, P, h, steps[i, 1], steps[i, 2], dyn[0], dyn[1], q_f, q_t)
             _forget(s, P, h * (abs(s[3]) + BIAS_LENGTH / 10.0 * abs(s[4])), dyn[4])
         row = int(steps[i, 4])
         if row >= 0:

@@ -25,8 +25,6 @@ FEWEST_POSES = 30
 MOST_POSES = 3000  # longer recordings are thinned: more rows add time, hardly knowledge
 NOISE_SPREAD = 3.0  # log units of the prior on noise levels: a factor 20 is one standard deviation
 POINT_SPREAD = 0.5  # m, prior of the tracked point: it is on the robot
-SHIFTS = (-0.6, -0.3, 0.3)  # of a number's size: where a search around a hill begins
-ROUNDS = 2  # of it
 TRACKER_NOISE = {"r_xy": 0.01, "r_theta": 0.02, "r_time": 0.01, "s_b": 0.003}
 """First guess of the tracker's noise [m, rad, s, m]: tags seen by a camera at 1 m, stamps of a busy computer.
 """
@@ -113,11 +111,10 @@ def fit_pose(pose: PoseTrack, motion: Motion, start: Alignment) -> PoseFit:
     parameters = _parameters(motion, start, heading)
     free = tuple(parameters)
     problem = _problem(pose, motion, parameters, start, heading)
-    every = np.ones(len(pose), dtype=bool)
-    firsts = _firsts(problem, parameters, every)
-    found = [maximise(problem, first, every, free.index("s_b")) for first in firsts]
-    if len(found) > 1 and found[1].log_likelihood > found[0].log_likelihood:
-        found[0] = _searched(problem, motion, free, found[0], found[1])
+    found = [
+        maximise(problem, first, len(pose), spare=free.index("s_b"))
+        for first in _firsts(problem, parameters, len(pose))
+    ]
     result = max(found, key=lambda likelihood: likelihood.log_likelihood)
     values = _natural(dict(zip(free, map(float, result.parameters), strict=True)), motion)
     return PoseFit(
@@ -138,54 +135,19 @@ def _parameters(motion: Motion, start: Alignment, heading: bool) -> dict[str, Pa
     return parameters
 
 
-def _firsts(problem: Problem, parameters: dict[str, Parameter], every: np.ndarray) -> list[FloatArray]:
+def _firsts(problem: Problem, parameters: dict[str, Parameter], rows: int) -> list[FloatArray]:
     """Return where to begin, each (p,): the declared guess and, where another is likelier, that one, too.
 
     The likelier guess may lie on the lesser hill: where a robot's commands answer its poses, early ones look likely.
     """
     declared = np.array([parameter.first for parameter in parameters.values()])
-    first = declared
+    first, all_rows = declared, np.ones(rows, dtype=bool)
     for i, parameter in enumerate(parameters.values()):
         tried = np.tile(first, (1 + len(parameter.others), 1))
         tried[1:, i] = parameter.others
         if parameter.others:
-            first = max(tried, key=lambda guess: problem.objective(guess, every))
+            first = max(tried, key=lambda guess: problem.objective(guess, all_rows))
     return [declared] if (first == declared).all() else [declared, first]
-
-
-def _searched(
-    problem: Problem, motion: Motion, free: tuple[str, ...], found: Likelihood, rival: Likelihood
-) -> Likelihood:
-    """Return the best that is found around the declared hill, until it is above its rival.
-
-    Where commands are held for some frames, the likelihood of a delay is rugged: of a real Duckiebot's lap, whose
-    commands answer its poses, the climb from the declared guess ended 67 units below the hill of commands that act
-    before they are sent on some processors, 25 above on others; searched again it is 65 above on the former, too.
-    """
-    for _ in range(ROUNDS):
-        starts = _around(motion, free, found.parameters)
-        tried = [maximise(problem, start, found.used, free.index("s_b")) for start in starts]
-        best = max([found, *tried], key=lambda likelihood: likelihood.log_likelihood)
-        if best is found or best.log_likelihood > rival.log_likelihood:
-            return best
-        found = best
-    return found
-
-
-def _around(motion: Motion, free: tuple[str, ...], here: FloatArray) -> list[FloatArray]:
-    """Return starts (p,) around `here`: what has other guesses shifted, and what has a prior back at its first one."""
-    starts = []
-    for name, parameter in motion.parameters.items():
-        place = free.index(name)
-        if parameter.others:
-            moved = [here[place] + shift * parameter.size for shift in SHIFTS]
-        else:
-            moved = [parameter.first] if np.isfinite(parameter.spread) else []
-        for value in moved:
-            start = here.copy()
-            start[place] = value
-            starts.append(start)
-    return starts
 
 
 def _problem(

@@ -74,13 +74,13 @@ class Problem:
         return log_likelihood(*self.run(parameters, used), used) - pull + float(self.tilt @ parameters)
 
 
-def maximise(problem: Problem, start: FloatArray, used: NDArray[np.bool_], spare: int) -> Likelihood:
-    """Find the parameters of largest likelihood from the guess `start` (p,); `used` (n,): rows to begin with.
+def maximise(problem: Problem, start: FloatArray, rows: int, spare: int) -> Likelihood:
+    """Find the parameters of largest likelihood from the guess `start` (p,), with `rows` n measured poses.
 
     The noise level at place `spare` is next to nothing unless it raises the likelihood by EARNED.
     """
     without = _silenced(problem, spare)
-    parameters, used = _climb(without, start, used)
+    parameters, used = _climb(without, start, np.ones(rows, dtype=bool))
     richer = parameters.copy()
     richer[spare] = FAINT
     richer = _score(problem, richer, used)
