@@ -20,11 +20,11 @@ from fsm_calib.diagnosis.candidates.candidate import Candidate
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, alike_in
 from fsm_calib.diagnosis.candidates.once_more import once_more
 from fsm_calib.diagnosis.candidates.outstanding import standing_out
+from fsm_calib.diagnosis.candidates.plausible import lasts
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.starts import Start
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.proof.plausible import lasts
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.observation import predict
 from fsm_calib.world2d.parameters import parameter_table

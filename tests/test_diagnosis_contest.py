@@ -7,6 +7,15 @@ import pytest
 from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.plausible import (
+    has_size,
+    is_crossed,
+    is_plausible,
+    is_seen,
+    lasts,
+    plausible_of,
+    stays_in,
+)
 from fsm_calib.diagnosis.candidates.polish import polished
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -14,7 +23,6 @@ from fsm_calib.diagnosis.fitting.base import fit_base, noise_names, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, jacobian
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.proof.form_test import Linear, Remainder, contest
-from fsm_calib.diagnosis.proof.plausible import has_size, is_crossed, is_plausible, is_seen, lasts, stays_in
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.replay.simulator import make_simulator
 from fsm_calib.diagnosis.shapes.form_frame import frames_of, lagged
@@ -175,6 +183,14 @@ def at_value(fit, effect, name, value):
 def test_a_size_at_its_bound_or_too_small_to_be_told_is_none(saturated, effect, name, value, holds):
     _, base, _ = saturated
     assert has_size(at_value(base, effect, name, value)) is holds
+
+
+def test_a_form_that_is_no_finding_gives_way_to_another_of_its_effect(saturated):
+    engine, base, _ = saturated
+    ends_late = at_value(base, "command_saturation", "voltage", 1.2)
+    limited = at_value(base, "command_saturation", "current", 0.16)
+    assert plausible_of([ends_late, limited], engine.simulators) == [limited]
+    assert plausible_of([ends_late], engine.simulators) == [ends_late]
 
 
 @pytest.mark.parametrize(("smoothing", "holds"), [(0.002, False), (0.05, True)])

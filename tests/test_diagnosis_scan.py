@@ -12,6 +12,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     hypotheses_of,
     starts_move_all,
 )
+from fsm_calib.diagnosis.candidates.plausible import stands_out
 from fsm_calib.diagnosis.candidates.ranked import parameters_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.scan import DEFAULTS, SCANS, scan_of
@@ -25,7 +26,6 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
 )
 from fsm_calib.diagnosis.candidates.scan_slides import Slides
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.proof.plausible import stands_out
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.shapes.score_tests import project, winnings
 from fsm_calib.world2d.effects import registry

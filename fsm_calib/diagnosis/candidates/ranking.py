@@ -22,6 +22,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     starts_move_all,
 )
 from fsm_calib.diagnosis.candidates.once_more import once_more
+from fsm_calib.diagnosis.candidates.plausible import plausible_of
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, simplest, strongest
 from fsm_calib.diagnosis.candidates.scan import Scanner, scan_of
 from fsm_calib.diagnosis.candidates.scanned import Plan, Plans, scanned
@@ -88,7 +89,7 @@ class Bank:
     def rank(
         self, effects: Iterable[Effect], progress: Progress = lambda name: None, noticed: float = 0.0
     ) -> list[Ranked]:
-        """Fit all effects in all their forms; return the best form of each (`simplest`), largest evidence first.
+        """Fit all effects in all their forms; return the best plausible form of each, largest evidence first.
 
         Where a model already has effects, only the best joins it in this round: what stays far below the best so far
         is given up early, and asked again in the next. On the base robot all are fitted where one has more evidence
@@ -108,8 +109,12 @@ class Bank:
         done = self._finished([ranked for ranked in kept if ranked.name in near])
         whole = [*done, *(ranked for ranked in kept if ranked.name not in near)]
         names = dict.fromkeys(ranked.name for ranked in whole)
-        best = [simplest([ranked for ranked in whole if ranked.name == name]) for name in names]
+        best = [simplest(self._plausible(r for r in whole if r.name == name)) for name in names]
         return sorted(best, key=lambda ranked: -ranked.evidence)
+
+    def _plausible(self, forms: Iterable[Ranked]) -> Sequence[Ranked]:
+        """Return the forms of an effect that are what its name says; all where none is."""
+        return plausible_of(list(forms), self.engine.simulators)
 
     def _each_asked(self, effects: Sequence[Effect], progress: Progress) -> list[Asked]:
         """Return what each effect begins; on the base robot, where none hangs on the others, what it began before."""
@@ -240,7 +245,7 @@ class Bank:
     def best_of(self, effect: Effect) -> Ranked | None:
         """Return the best form of one effect, fitted from all its starts; None where there is none to try."""
         tried = self._fitted(self._forms(effect))
-        return strongest([*tried, *self._finished(self._extended(effect, tried))])
+        return strongest(self._plausible([*tried, *self._finished(self._extended(effect, tried))]))
 
     def again(self, event: Hypothesis, run: int) -> Ranked | None:
         """Return the best event of its kind in a recording; once more where the parent has it there, else once or

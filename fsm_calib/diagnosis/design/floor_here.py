@@ -1,9 +1,9 @@
 r"""Is it the robot, or the floor that it was driven on? A place that holds what was visited, in an effect's stead.
 
 A robot that was driven on one mat tells nothing of its own friction: the mat resists wherever it went. Such a place has
-no name, since it was hardly left (`proof/plausible.py`), and where its edge was crossed nowhere its outline is told by
-nothing. But a drive that leaves it would tell. So it is fitted from the box that holds all that was visited, and
-believed in by
+no name, since it was hardly left (`candidates/plausible.py`), and where its edge was crossed nowhere its outline is
+told by nothing. But a drive that leaves it would tell. So it is fitted from the box that holds all that was visited,
+and believed in by
 
     log odds = log odds of an effect with the numbers that the drives tell - a / a_0 - b / b_0
 

@@ -21,11 +21,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
+from fsm_calib.diagnosis.candidates.plausible import SHORTEST_SPAN
 from fsm_calib.diagnosis.fitting.begins import begins_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off
 from fsm_calib.diagnosis.proof.gates import EXACT
-from fsm_calib.diagnosis.proof.plausible import SHORTEST_SPAN
 from fsm_calib.diagnosis.proof.pose_jump import AFTER, BEFORE
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry

@@ -24,6 +24,7 @@ from fsm_calib.diagnosis.candidates.from_the_leader import sought_again
 from fsm_calib.diagnosis.candidates.from_the_sheet import is_bent, sought_from_the_sheet
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
 from fsm_calib.diagnosis.candidates.place_search import placed
+from fsm_calib.diagnosis.candidates.plausible import is_crossed, is_plausible, stands_out
 from fsm_calib.diagnosis.candidates.polish import polished
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -34,7 +35,6 @@ from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.fitting.values import taken_over
 from fsm_calib.diagnosis.fitting.wald import strengths_of, wald
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
-from fsm_calib.diagnosis.proof.plausible import is_crossed, is_plausible, stands_out
 from fsm_calib.diagnosis.verdict.every_recording import come_again, in_every_recording
 from fsm_calib.diagnosis.verdict.in_its_place import in_the_others_company, on_its_own_ground
 from fsm_calib.diagnosis.verdict.spared import spared
