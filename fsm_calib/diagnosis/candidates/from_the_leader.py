@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fsm_calib.diagnosis.candidates.plausible import plausible_of
 from fsm_calib.diagnosis.candidates.polish import polished
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -36,7 +37,7 @@ def sought_again(
     values = switched_off(leader.fit.values, [leader.name])
     bare = engine.fit(values, base.slots, leader.fit.noise, steps=0)
     bank = Bank.on(engine, bare)
-    return with_better(ranking, ended_on(bank, base, bank.rank(asked)))
+    return with_better(engine, ranking, ended_on(bank, base, bank.rank(asked)))
 
 
 def ended_on(bank: Bank, base: Fit, found: Sequence[Ranked]) -> list[Ranked]:
@@ -45,10 +46,17 @@ def ended_on(bank: Bank, base: Fit, found: Sequence[Ranked]) -> list[Ranked]:
     return bank.side_by_side(lambda ranked: polished(bank.engine, ranked, base, names), found)
 
 
-def with_better(ranking: Sequence[Ranked], found: Sequence[Ranked], by: float = 0.0) -> list[Ranked]:
-    """Return a ranking, sorted again, with what was found in the place of what has less evidence `by` so much."""
+def with_better(
+    engine: Engine, ranking: Sequence[Ranked], found: Sequence[Ranked], by: float = 0.0
+) -> list[Ranked]:
+    """Return a ranking, sorted again, with what was found in the place of what has less evidence `by` so much.
+
+    What is no finding takes the place of none that is one.
+    """
     had = {ranked.name: ranked for ranked in ranking}
     for ranked in found:
-        if ranked.name not in had or ranked.evidence > had[ranked.name].evidence + by:
+        known = had.setdefault(ranked.name, ranked)
+        forms = plausible_of([known, ranked], engine.simulators)
+        if ranked in forms and (known not in forms or ranked.evidence > known.evidence + by):
             had[ranked.name] = ranked
     return sorted(had.values(), key=lambda ranked: -ranked.evidence)

@@ -52,7 +52,7 @@ def sought_from_the_sheet(
     bank = Bank.on(engine, _straight(engine, base), distinct=distinct)
     found = bank.rank([effect for effect in effects if not effect.scan])
     better = [ranked for ranked in found if evidence_of(ranked.fit, base, engine.count) > 0.0]
-    return with_better(ranking, ended_on(bank, base, better), STRONG)
+    return with_better(engine, ranking, ended_on(bank, base, better), STRONG)
 
 
 def _straight(engine: Engine, base: Fit) -> Fit:

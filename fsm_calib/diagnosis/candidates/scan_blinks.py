@@ -29,9 +29,7 @@ LOSSES = (
     1.5,
 )  # smallest and largest loss that counts: to first order a dead motor may lose more than all
 FEWEST = 2  # of less than this many each is a span, or a push
-ALONE = (
-    0.25  # loss over at least STEP from which one may be a plug that opened once (`candidates/plausible.py`)
-)
+ALONE = 0.25  # loss over at least STEP from which one may be a plug that opened once (`plausible.py`)
 KEPT = 3  # further spans that are looked at for the next best
 
 Cells = Callable[[FloatArray], FloatArray]
