@@ -25,7 +25,7 @@ plan: [orientation]
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory) -> Path:
     """Return a folder that holds what a wheel of the source tree installs."""
-    pytest.importorskip("setuptools", minversion="61")
+    pytest.importorskip("setuptools", minversion="77")
     place = tmp_path_factory.mktemp("wheel")
     source = place / "source"
     source.mkdir()
