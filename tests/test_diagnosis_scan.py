@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import bank_of, recording, with_encoders
+from diagnosis_robots import bank_of, engine_of, recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
@@ -25,6 +25,7 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
     likely_discs,
 )
 from fsm_calib.diagnosis.candidates.scan_slides import Slides
+from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.shapes.score_tests import project, winnings
@@ -48,6 +49,16 @@ def fitted(bank, name):
 def discs_of(bank, wrong=TURNED):
     pairs = zip(bank.engine.simulators, bank.parent.simulated, strict=True)
     return likely_discs([jumps_of(s.prepared, simulated) for s, simulated in pairs], wrong)
+
+
+def test_a_mat_is_found_under_a_robot_whose_controller_makes_up_for_what_slows_it_down():
+    mat = {"drag": 2.0, "x": 0.2, "y": 0.1, "half_x": 0.3, "half_y": 0.3, "spread": 1.0, "roundness": 1.0}
+    stiff = {"speed_controller__hold": 12.0, "tau_forward": 0.05, "tau_turn": 0.05}
+    hidden = {**stiff, **{f"rough_floor_patch__{name}": value for name, value in mat.items()}}
+    engine = engine_of(*[recording(seed, 40.0, **hidden) for seed in (0, 1)])
+    found = fitted(Bank.on(engine, fit_whole_base(engine, [])), "rough_floor_patch")
+    assert np.hypot(found["x"] - 0.2, found["y"] - 0.1) < 0.05
+    assert found["drag"] == pytest.approx(2.0, rel=0.2)
 
 
 def test_every_effect_of_a_place_or_a_moment_has_a_scan():
