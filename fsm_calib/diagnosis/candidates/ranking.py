@@ -113,7 +113,7 @@ class Bank:
         return sorted(best, key=lambda ranked: -ranked.evidence)
 
     def _plausible(self, forms: Iterable[Ranked]) -> Sequence[Ranked]:
-        """Return the forms of an effect that are what its name says; all where none is."""
+        """Return `plausible_of` some forms of an effect in these recordings."""
         return plausible_of(list(forms), self.engine.simulators)
 
     def _each_asked(self, effects: Sequence[Effect], progress: Progress) -> list[Asked]:

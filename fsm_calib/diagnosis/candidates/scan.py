@@ -130,14 +130,14 @@ class Scanner:
         return robot_size(self.situations[0].half)
 
     def drag_areas(self, effect: Effect) -> list[Candidate]:
-        """Return areas of rough floor, by what a drag in them loses to first order.
+        """Return areas of rough floor, by what a drag in them changes to first order.
 
         Where a controller holds the speeds a drag shows for a moment only, and a column of a lasting loss tells
         little: a mat that wins 313 units as it stands promised 2. There areas are tried by simulation, too; the two
         promise by other measures, so that the best of each promises as much as any.
         """
         by_columns = self._dragging_areas(effect)
-        if not self._is_held:
+        if "speed_controller" not in parameter_table().active_effects(self.parent.values[0]):
             return by_columns
         tried = self.tried_places(effect)
         all_of_them = [*tried, *by_columns]
@@ -162,11 +162,6 @@ class Scanner:
             best, gain = settled(areas[i], self._drags, self.size)
             found.append(Candidate(best.numbers(effect), gain))
         return found
-
-    @property
-    def _is_held(self) -> bool:
-        """Whether the robot's own controller makes up for what slows its wheels down."""
-        return bool(np.any(self.parent.values[:, parameter_table().place("speed_controller.hold")] > 0.0))
 
     def _drags(self, areas: Sequence[Area]) -> FloatArray:
         """Return what a drag in each area promises (c,); a rough floor never pushes."""
