@@ -36,6 +36,9 @@ class Closure:
     extends : tuple of str
         Names of smaller closures of the effect: it is asked for where one of these wins something, and from where that
         one's fit has ended. For closures of many numbers and choices, which would cost more than all others together.
+    alike : tuple of str
+        Of an event, those of its freed numbers of a recording that all recordings share, for one that comes alike in
+        each of them at a time of its own; empty: an event of one recording.
     has_twin : callable, optional
         Takes the closure's numbers by name, and all numbers of the model by full name; whether something that is no
         effect of the catalogue does the very same with these. No drive tells the two apart, so that the name is even
@@ -50,6 +53,7 @@ class Closure:
     fixes: Mapping[str, float] = field(default_factory=dict)
     refines: bool = False
     extends: tuple[str, ...] = ()
+    alike: tuple[str, ...] = ()
     has_twin: Callable[[Mapping[str, float]], bool] | None = None
 
     def __post_init__(self) -> None:

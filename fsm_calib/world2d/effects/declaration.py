@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fsm_calib.errors import InputError, UnknownNameError
 from fsm_calib.world2d import units
+from fsm_calib.world2d.effects.closure import Closure
 from fsm_calib.world2d.effects.code import names_used
 from fsm_calib.world2d.effects.parameter import Parameter
 from fsm_calib.world2d.effects.vocabulary import (
@@ -126,6 +127,7 @@ def _check_closures(effect: Effect) -> None:
                 raise UnknownNameError("choice", name, choices, where=where)
             if not effect.parameter(name).low <= value <= effect.parameter(name).high:
                 raise InputError(f"{name} is held at {value:g}, outside its bounds", where=where)
+        _check_alike(effect, closure, where)
         for name in closure.extends:
             smaller = [other.name for other in effect.closures if not other.extends]
             if name not in smaller:
@@ -136,6 +138,16 @@ def _check_closures(effect: Effect) -> None:
         if closure.name in seen:
             raise InputError("two closures have one name", where=where, cure="Name them apart.")
         seen.add(closure.name)
+
+
+def _check_alike(effect: Effect, closure: Closure, where: str) -> None:
+    """Refuse an event that comes alike in every drive and shares what is no number of a recording that it frees."""
+    own = [name for name in closure.frees if effect.parameter(name).per_recording]
+    for name in closure.alike:
+        if name not in own:
+            raise UnknownNameError("number of a recording", name, own, where=where)
+    if closure.alike and effect.when == "always":
+        raise InputError("what acts always comes in no drive", where=where, cure="Leave `alike` empty.")
 
 
 def _check_hooks(effect: Effect) -> None:

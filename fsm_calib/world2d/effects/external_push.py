@@ -2,8 +2,9 @@ r"""Somebody or something pushes the robot, at a blow or for as long as a hand l
 
     F = (impulse_x, impulse_y) / duration,  M = impulse_turn / duration      start <= t < start + duration
 
-F [N] in `world` at the axle centre, M [N m], impulses [N s] and [N m s], start and duration [s]; each push of a drive
-has its own. Source: momentum balance.
+F [N] at the axle centre, in `world` (along 0) or ahead and to the left of the robot (along 1), M [N m], impulses
+[N s] and [N m s], start and duration [s]; each push of a drive has its own. Or it comes alike in every drive, each time
+at a moment of its own: the same hand, the same curb. Source: momentum balance.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from fsm_calib.world2d.slots import COS, SIN, STEP, TIME
 
 MOST = 5  # pushes of one drive
 OF_EACH = 5  # numbers of a push
+ALONG = MOST * OF_EACH  # place of what tells along what the forces point
 
 
 @njit(error_model="numpy")
@@ -29,7 +31,10 @@ def push(P, o, S, m, W):
         if part > 0.0:
             fx, fy = part * P[first], part * P[first + 1]
             turn = part * P[first + 2]
-            add_force(W, W[COS] * fx + W[SIN] * fy, W[COS] * fy - W[SIN] * fx, turn)
+            if P[o + ALONG] > 0.5:
+                add_force(W, fx, fy, turn)
+            else:
+                add_force(W, W[COS] * fx + W[SIN] * fy, W[COS] * fy - W[SIN] * fx, turn)
 
 
 ONE = (
@@ -71,12 +76,37 @@ def several(count: int) -> Closure:
     )
 
 
+ALONG_WHAT = {"room": 0.0, "robot": 1.0}
+"""What the force of a push points along that comes alike in every drive, with the value of `along`."""
+
+
+def alike(what: str, lasts: bool) -> Closure:
+    """Return the closure of a push that comes alike in every drive, along the room or the robot."""
+    names = tuple(p.name for p in ONE if lasts or p.name != "duration")
+    kind, of_each = ("held ", "for {duration} ") if lasts else ("", "")
+    return Closure(
+        f"{kind}alike, along the {what}",
+        names,
+        f"the same {'force that lasts' if lasts else 'push'} in every drive, along the {what}",
+        sentence=f"In every drive, first at {{start}}, the same push {of_each}by ({{impulse_x}}, {{impulse_y}}) "
+        f"along the {what}.",
+        fixes={"along": ALONG_WHAT[what]},
+        alike=tuple(name for name in names if name != "start"),
+    )
+
+
 EFFECT = Effect(
     name="external_push",
     family="event",
     summary="a push from outside",
     equation="F = impulse / duration from start",
-    parameters=(*ONE, *further(ONE, MOST)),
+    parameters=(
+        *ONE,
+        *further(ONE, MOST),
+        Parameter(
+            "along", "a", "1", 0.0, 0.0, 1.0, 0.0, "0: the room, 1: the robot", fitted=False, strength=False
+        ),
+    ),
     hooks={"step": push},
     reads=("heading",),
     channels=("forward", "lateral", "turn"),
@@ -95,6 +125,7 @@ EFFECT = Effect(
             sentence="From {start} something pushed the robot for {duration} by ({impulse_x}, {impulse_y}) in all.",
         ),
         *(several(count) for count in range(2, MOST + 1)),
+        *(alike(where, lasts) for where in ALONG_WHAT for lasts in (False, True)),
     ),
     when="moment",
     acts_on="push",

@@ -95,6 +95,20 @@ ONCE = (
     Closure("both motors", ("loss_left", "loss_right", "start", "duration"), "each by its own share"),
 )
 
+
+def alike(closure: Closure) -> Closure:
+    """Return a closure of the same motor that loses the same in every drive."""
+    losses = tuple(name for name in closure.frees if name.startswith("loss"))
+    said = " and ".join(f"the {name.removeprefix('loss_')} motor loses {{{name}}}" for name in losses)
+    return Closure(
+        f"{closure.name} alike",
+        closure.frees,
+        f"{closure.summary}, the same in every drive",
+        sentence=f"In every drive, first from {{start}} for {{duration}}, {said}.",
+        alike=losses,
+    )
+
+
 EFFECT = Effect(
     name="motor_fault",
     family="drift",
@@ -110,7 +124,11 @@ EFFECT = Effect(
     sentence="From {start} for {duration} the motors lose {loss_left} (left), {loss_right} (right).",
     input="command",
     source="Roumeliotis, Sukhatme & Bekey, ICRA 1998",
-    closures=(*ONCE, *(several(once, count) for once in ONCE[:2] for count in range(2, MOST + 1))),
+    closures=(
+        *ONCE,
+        *map(alike, ONCE[:2]),
+        *(several(once, count) for once in ONCE[:2] for count in range(2, MOST + 1)),
+    ),
     when="span",
     acts_on="motor",
     order=54,
