@@ -41,12 +41,12 @@ FORMS = {
 
 def support(
     name: str = "motor_deadband", *, added: float = NEVER, spread: float = 0.0, share: float = 1.0,
-    rivals: dict[str, float] | None = None, moved: float = 0.0, elsewhere: float = 0.0, others: float = 0.0,
+    rivals: dict[str, float] | None = None, moved: float = 0.0, chance: float = 0.0, others: float = 0.0,
     **forms: object,
 ) -> Support:  # fmt: skip
     """A support of an effect, with the gaps in evidence to its rivals and what un-named forms do."""
     gaps = tuple(RivalGap(n, Gap(gap, 0.0, 60), None) for n, gap in (rivals or {}).items())  # type: ignore[arg-type]
-    effect = SimpleNamespace(name=name, hypothesis=SimpleNamespace(elsewhere=elsewhere))
+    effect = SimpleNamespace(name=name, hypothesis=SimpleNamespace(chance=chance))
     law = SimpleNamespace(moved=moved)
     said = FORMS | forms
     contest = SimpleNamespace(stand_in=said["instead"], **said)
@@ -87,10 +87,10 @@ def test_uneven_evidence_beside_stronger_effects_counts_against_a_name(share: fl
     assert odds(shape_probability(uneven)) == pytest.approx(SURE - DOUBT * patchy)
 
 
-def test_a_moment_is_uneven_by_what_the_best_other_moment_promises() -> None:
-    push = support("external_push", added=100.0, spread=95.0, share=0.1, elsewhere=10.0)
-    assert push.alone == Gap(100.0, 20.0, 60)
-    assert push.patchy == pytest.approx(0.9 * math.log1p(0.2 / SLIGHT))
+def test_a_moment_is_uneven_by_nature() -> None:
+    push = support("external_push", added=100.0, spread=95.0, share=0.1, chance=1e-3)
+    assert push.alone == Gap(100.0, 0.0, 60)
+    assert push.patchy == 0.0
 
 
 @pytest.mark.parametrize("name", ["external_push", "motor_fault"])
@@ -98,10 +98,10 @@ def test_an_event_of_a_hundredth_of_what_others_explain_is_within_what_their_equ
     name: str,
 ) -> None:
     small, large = (
-        support(name, added=100.0, spread=3.0, share=0.1, elsewhere=1.5, others=others)
+        support(name, added=100.0, spread=3.0, share=0.1, chance=1e-6, others=others)
         for others in (1e4, 500.0)
     )
-    assert large.alone == Gap(100.0, pytest.approx(math.hypot(3.0, EXACT * 500.0)), 60)
+    assert large.alone == Gap(100.0, pytest.approx(EXACT * 500.0), 60)
     assert belief_of(small).probability < 0.6 < 0.9 < belief_of(large).probability
 
 
@@ -112,10 +112,10 @@ def test_a_moment_that_jolts_the_robot_anyway_costs_an_event_its_log_odds() -> N
     )
 
 
-def test_a_moment_that_others_equal_is_not_believed() -> None:
+def test_a_moment_that_chance_equals_is_not_believed() -> None:
     stands_out, does_not = (
-        belief_of(support("external_push", added=100.0, spread=95.0, share=0.1, elsewhere=e)).probability
-        for e in (2.0, 50.0)
+        belief_of(support("external_push", added=100.0, spread=95.0, share=0.1, chance=p)).probability
+        for p in (1e-4, 0.05)
     )
     assert stands_out > 0.9
     assert does_not < 0.6
@@ -442,7 +442,7 @@ def test_a_name_that_something_beyond_the_catalogue_equals_is_even_odds(curve_x,
     curved = ("slope_x", "slope_y", "curve_x", "curve_y", "twist")
     values = table.null[None].copy()
     values[0, table.place("floor_tilt.curve_x")] = curve_x
-    hypothesis = SimpleNamespace(closure="curved", names=curved, elsewhere=0.0)
+    hypothesis = SimpleNamespace(closure="curved", names=curved, chance=0.0)
     effect = SimpleNamespace(name="floor_tilt", hypothesis=hypothesis, fit=SimpleNamespace(values=values))
     told = belief_of(replace(sure, effect=effect)).probability  # type: ignore[arg-type]
     assert told == pytest.approx(probability * shape_probability(sure), abs=1e-6)
@@ -457,7 +457,7 @@ def test_a_delay_that_a_controller_or_a_skid_may_have_is_even_odds(delay, hold, 
     values = table.null[None].copy()
     names = ("command_delay.delay", "speed_controller.hold", "caster_drag.drag")
     values[0, [table.place(name) for name in names]] = delay, hold, drag
-    hypothesis = SimpleNamespace(closure="full", names=("delay",), elsewhere=0.0)
+    hypothesis = SimpleNamespace(closure="full", names=("delay",), chance=0.0)
     effect = SimpleNamespace(name="command_delay", hypothesis=hypothesis, fit=SimpleNamespace(values=values))
     told = belief_of(replace(sure, effect=effect)).probability  # type: ignore[arg-type]
     assert told == pytest.approx(probability * shape_probability(sure), abs=1e-6)

@@ -1,11 +1,15 @@
 """How hard was it pushed? A simulation tells, also of a robot that does not move until its friction gives way."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis_robots import engine_of, recording
 
-from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, best_apart_from, known_beside, standing
+from fsm_calib.diagnosis.candidates.push_search import _moments_of, _others
+from fsm_calib.diagnosis.candidates.pushed import Moment, Pushed, known_beside, standing
 from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.scan_pushes import Pushes
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.replay.passage import Passages
@@ -63,23 +67,29 @@ def standing_in(pushes, worth):
     return {push.run: standing(pushes, push.run, worth, 4) for push in pushes}
 
 
-def test_the_best_other_moment_is_apart_in_time_and_not_the_best_of_another_recording():
+def others(pushes, known):
+    """Return what moments win that are none of the known ones, most first."""
+    none = Pushes(0, 0.25, *(np.empty(shape) for shape in (0, 0, (0, 3), (0, 3, 3))))
+    return _others(_moments_of([[none, replace(none, run=1)]], pushes), known)
+
+
+def test_other_moments_are_apart_in_time_and_not_the_best_of_another_recording():
     here, beside, later = pushed(0, 5.0, 90.0), pushed(0, 5.5, 80.0), pushed(0, 9.0, 20.0)
     best, same, second = pushed(1, 4.0, 70.0), pushed(1, 4.5, 60.0), pushed(1, 8.0, 30.0)
-    for others, expected in (
-        ([here, beside, later, best, same, second], 30.0),
-        ([here, beside, later, best, same], 20.0),
-        ([here, beside], 0.0),
+    for some, expected in (
+        ([here, beside, later, best, same, second], [30.0, 20.0]),
+        ([here, beside, later, best, same], [20.0]),
+        ([here, beside], []),
     ):
-        assert best_apart_from(others, known_beside(here, standing_in(others, 1e9))) == expected
+        assert others(some, known_beside(here, standing_in(some, 1e9))) == expected
 
 
 def test_pushes_that_all_stand_out_do_not_deny_each_other():
     pushes = [pushed(0, 5.0, 90.0), pushed(0, 9.0, 80.0), pushed(0, 20.0, 12.0), pushed(1, 4.0, 11.0)]
     stand = standing_in(pushes, 20.0)
     assert stand[0] == pushes[:2]
-    assert best_apart_from(pushes, known_beside(pushes[0], stand)) == 12.0
-    assert best_apart_from(pushes, known_beside(pushes[2], stand)) == 90.0
+    assert others(pushes, known_beside(pushes[0], stand)) == [12.0]
+    assert others(pushes, known_beside(pushes[2], stand)) == [90.0, 80.0]
 
 
 def test_several_small_pushes_stand_out_where_one_alone_would_not():
@@ -100,7 +110,7 @@ def test_of_jolts_that_come_in_all_sizes_none_stands_out_with_another():
     jolts = [pushed(0, 3.0 * i, 90.0 - 15.0 * i) for i in range(6)]
     stand = standing_in(jolts, 20.0)
     assert stand[0] == jolts[:1]
-    assert best_apart_from(jolts, known_beside(jolts[0], stand)) == 75.0
+    assert others(jolts, known_beside(jolts[0], stand))[0] == 75.0
 
 
 def test_a_kick_against_a_stiff_controller_is_found_between_the_moments_of_the_scan():

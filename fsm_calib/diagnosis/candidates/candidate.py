@@ -12,10 +12,18 @@ GROWTH = 3.0  # times what a candidate promises: as much as moving it and fittin
 class Candidate:
     """Start values by full parameter name, for one recording or all (-1), and the promised log-likelihood.
 
-    elsewhere : what the best other moment promises, from which this one has to stand out.
+    chance : with which probability one moment in all of the recordings promises so much more than the next
+    (`outstanding.by_chance`); 0 where no moment was sought. each : of an event that
+    comes alike in every recording, what is each recording's own (when it came); empty for all others.
     """
 
     changes: Mapping[str, float]
     promise: float
     run: int = -1
-    elsewhere: float = 0.0
+    chance: float = 0.0
+    each: tuple[Mapping[str, float], ...] = ()
+
+    @property
+    def size(self) -> int:
+        """How many numbers it tells."""
+        return len(self.changes) + sum(len(own) for own in self.each)

@@ -10,7 +10,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.candidate import Candidate
 from fsm_calib.diagnosis.candidates.scan_blinks import blinks
-from fsm_calib.diagnosis.candidates.scan_spans import gain_cells, likely_span
+from fsm_calib.diagnosis.candidates.scan_spans import alike_spans, gain_cells, likely_span
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.shapes.score_tests import Residual
 from fsm_calib.types import FloatArray
@@ -31,10 +31,11 @@ class FaultSearch:
     residual: Residual
 
     def candidates(self, keep: int) -> list[Candidate]:
-        """Return at most `keep` spans, most promising first, and what blinks in one recording."""
+        """Return at most `keep` spans, most promising first, those alike in every drive, and what blinks in one."""
         spans = [self._span(run, side) for run in self._runs for side in SIDES]
+        alike = [self._alike(side) for side in SIDES] if len(self._runs) > 1 else []
         again = [found for run in self._runs for found in self._blinks(run)]
-        return sorted(spans, key=lambda c: -c.promise)[:keep] + sorted(again, key=lambda c: -c.promise)[:keep]
+        return [c for some in (spans, alike, again) for c in sorted(some, key=lambda c: -c.promise)[:keep]]
 
     @property
     def _runs(self) -> range:
@@ -52,6 +53,14 @@ class FaultSearch:
         loss = {f"loss_{side}": float(np.clip(span.loss, *BOUNDS))}
         return Candidate(self._named(loss, [[span.begin, span.end]]), span.promise, run)
 
+    def _alike(self, side: str) -> Candidate:
+        """Return the best span of every recording in which one wheel is weaker, by the same loss in all."""
+        each = [partial(gain_cells, self.residual, run, self._gain(run, side)) for run in self._runs]
+        spans = alike_spans(self.residual, each)
+        loss = {f"{self.effect.name}.loss_{side}": float(np.clip(spans[0].loss, *BOUNDS))}
+        own = tuple(self._named({}, [[span.begin, span.end]]) for span in spans)
+        return Candidate(loss, sum(span.promise for span in spans), each=own)
+
     def _blinks(self, run: int) -> Iterator[Candidate]:
         """Yield the short spans of either motor that stand out together in one recording."""
         most = len(starts_in(p.name for p in self.effect.parameters))
@@ -61,7 +70,7 @@ class FaultSearch:
             found = blinks(self.residual, run, cells, worth, most)
             if found is not None:
                 loss = {f"loss_{side}": float(np.clip(found.loss, *BOUNDS))}
-                yield Candidate(self._named(loss, found.spans), found.won, run, found.elsewhere)
+                yield Candidate(self._named(loss, found.spans), found.won, run, found.chance)
 
     def _named(self, losses: Mapping[str, float], spans: FloatArray | list[list[float]]) -> dict[str, float]:
         """Return start values by full name; spans : begin and end [s] of each."""

@@ -26,14 +26,14 @@ MOST_STARTS = 24
 class Hypothesis:
     """One closure of one effect: the parameters it frees; `run` for an event of one recording, else -1.
 
-    elsewhere : log-likelihood that the best other moment promises; an event has to stand out from it. closure : its
-    name among the effect's; empty where only the parameters are known, and nothing else is held.
+    chance : with which probability a moment stands out so far where nothing happened; 0 where none was sought.
+    closure : its name among the effect's; empty where only the parameters are known, and nothing else is held.
     """
 
     effect: str
     names: tuple[str, ...]
     run: int = ALL_RUNS
-    elsewhere: float = 0.0
+    chance: float = 0.0
     closure: str = ""
 
     @property
@@ -92,8 +92,11 @@ def has_phase(effect: Effect) -> bool:
 
 
 def hypotheses_of(effect: Effect, runs: int) -> Iterator[Hypothesis]:
-    """Yield every closure of an effect that competes for its name; an event once for each recording."""
-    for closure in effect.competing:
+    """Yield every closure of an effect that competes for its name; an event once for each recording.
+
+    One that comes alike in all of them is left to the scan that finds its moments.
+    """
+    for closure in (closure for closure in effect.competing if not closure.alike):
         for run in range(runs) if is_event(effect) else (ALL_RUNS,):
             yield Hypothesis(effect.name, closure.frees, run, closure=closure.name)
 
@@ -101,11 +104,12 @@ def hypotheses_of(effect: Effect, runs: int) -> Iterator[Hypothesis]:
 def slots_of(hypothesis: Hypothesis, runs: int, scale: Scale = SMALL) -> tuple[Slot, ...]:
     """Return the free numbers: shared ones once, those that belong to a recording once for each; bounds by `scale`."""
     effect = registry()[hypothesis.effect]
+    alike = effect.closure(hypothesis.closure).alike if hypothesis.closure else ()
     slots: list[Slot] = []
     for name, full in zip(hypothesis.names, hypothesis.full_names, strict=True):
         if hypothesis.run != ALL_RUNS:
             slots.append(slot_of(full, hypothesis.run, scale))
-        elif effect.parameter(name).per_recording:
+        elif effect.parameter(name).per_recording and name not in alike:
             slots += [slot_of(full, run, scale) for run in range(runs)]
         else:
             slots.append(slot_of(full, scale=scale))
@@ -158,12 +162,13 @@ def starts_move_all(hypothesis: Hypothesis) -> bool:
 
 
 def asked_for(effect: Effect, given: set[str]) -> list[Closure]:
-    """Return the closures of an event whose times are those that a scan gives (a begin, or a length, too)."""
+    """Return the closures of an event of one recording whose times a scan gives (a begin, or a length, too)."""
     if effect.scan != "time":
         return list(effect.competing)
-    times = {p.name for p in effect.parameters if not p.strength}
-    differ = [len((set(closure.frees) ^ given) & times) for closure in effect.competing]
-    return [c for c, number in zip(effect.competing, differ, strict=True) if number == min(differ)]
+    times = {p.name for p in effect.parameters if p.fitted and not p.strength}
+    of_one = [closure for closure in effect.competing if not closure.alike]
+    differ = [len((set(closure.frees) ^ given) & times) for closure in of_one]
+    return [c for c, number in zip(of_one, differ, strict=True) if number == min(differ)]
 
 
 def alike_in(effect: Effect, closure: str) -> set[str]:
@@ -173,7 +178,7 @@ def alike_in(effect: Effect, closure: str) -> set[str]:
         return {n for n in closure.frees if effect.parameter(n).strength and not is_later(n)}
 
     own = strengths(effect.closure(closure))
-    return {c.name for c in effect.closures if strengths(c) == own}
+    return {c.name for c in effect.closures if strengths(c) == own and not c.alike}
 
 
 def _only_strength(effect: Effect, hypothesis: Hypothesis, name: str) -> bool:

@@ -42,7 +42,7 @@ def once_more(
         own = _later(told, part, known + 1) if part > 0.0 else _paused(effect, told, values[run], known)
         own = {f"{effect.name}.{n}": v for n, v in own.items() if n in closure.frees}
         if own:
-            form = Hypothesis(effect.name, closure.frees, run, found.elsewhere, closure.name)
+            form = Hypothesis(effect.name, closure.frees, run, found.chance, closure.name)
             plans.append((form, [Start(with_values(values, own, run), found.promise)]))
     return plans
 

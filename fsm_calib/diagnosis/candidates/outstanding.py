@@ -7,9 +7,33 @@ and where it is CLEARLY a part of what the next wins. Source: Renyi, Acta Math. 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 CLEARLY = 0.6  # of what the next moment wins
+
+
+MOMENTS = 9  # the next best ones, by which it is told how fast they fall off
+LEAST_FALL = 1.0  # log-likelihood units: the tail of half a chi-squared, where equations are exact
+
+
+def by_chance(won: Sequence[float], together: int = 1) -> float:
+    """Return the probability that the first of `won` stand out so far from the others where nothing happened.
+
+        p = (1 + t / n)^-n,    t = k (w_k - w_k+1) / f,    f = sum_j j (w_j - w_j+1) / n,  j = k + 1 .. k + n
+
+    won : log-likelihoods w of moments apart in time, falling, the first k = `together` of which are asked about; f how
+    fast the next n fall off, a mean of n exponentials, so that t is of Fisher's F(2, 2n). No model falls off faster
+    than LEAST_FALL.
+    """
+    others = won[together : together + MOMENTS]
+    n = len(others) - 1
+    gap = together * (won[together - 1] - others[0]) if others else math.inf
+    if n < 1:
+        return math.exp(-gap)
+    steps = sum((together + j) * (others[j - 1] - others[j]) for j in range(1, n + 1))
+    fall = max(steps / n, LEAST_FALL)
+    return float((1.0 + max(gap, 0.0) / fall / n) ** -n)
 
 
 def standing_out(won: Sequence[float], worth: float, most: int) -> int:

@@ -18,7 +18,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.replay.simulator import Simulator
+from fsm_calib.diagnosis.shapes.score_tests import ALPHA
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.effects.numbered import times_in
@@ -79,10 +81,20 @@ def lasts(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     than pushes where they come again by the same loss, `OFTEN` times or in all as long, or where the motor loses
     `MOST_OF_IT`: a plug opens, a driver starts anew. Faults fitted to 14 pushes of foreign robots changed 0.08 at most.
     """
-    effect = registry()[ranked.name]
-    if effect.when != "span":
-        return True
-    table, run = parameter_table(), ranked.hypothesis.run
+    return registry()[ranked.name].when != "span" or all(
+        _lasts_in(ranked, simulators, run) for run in _runs(ranked, simulators)
+    )
+
+
+def _runs(ranked: Ranked, simulators: Sequence[Simulator]) -> Sequence[int]:
+    """Return the recordings that an event is told by: one, or all where it comes alike in each."""
+    run = ranked.hypothesis.run
+    return range(len(simulators)) if run == ALL_RUNS else (run,)
+
+
+def _lasts_in(ranked: Ranked, simulators: Sequence[Simulator], run: int) -> bool:
+    """Return whether a span `lasts` in one recording."""
+    effect, table = registry()[ranked.name], parameter_table()
     values = dict(zip(table.names, ranked.fit.values[run].tolist(), strict=True))
     names = [[f"{ranked.name}.{n}" for n in time] for time in times_in(ranked.hypothesis.names)]
     spans = [(values[start], values[length]) for start, length in names]
@@ -98,11 +110,12 @@ def is_seen(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     """Return whether poses were taken while momentary events began, and for a while after; True for other effects."""
     if registry()[ranked.name].when != "moment":
         return True
-    table, run = parameter_table(), ranked.hypothesis.run
-    time = simulators[run].prepared.poses.time
-    starts = [table.place(f"{ranked.name}.{start}") for start, _ in times_in(ranked.hypothesis.names)]
-    moments = [float(ranked.fit.values[run, place]) for place in starts]
-    return all(_is_watched(time, moment) for moment in moments)
+    starts = [parameter_table().place(f"{ranked.name}.{n}") for n, _ in times_in(ranked.hypothesis.names)]
+    return all(
+        _is_watched(simulators[run].prepared.poses.time, float(ranked.fit.values[run, place]))
+        for run in _runs(ranked, simulators)
+        for place in starts
+    )
 
 
 def _is_watched(time: FloatArray, moment: float) -> bool:
@@ -154,9 +167,9 @@ def in_place(name: str, values: FloatArray, path: FloatArray) -> np.ndarray:
 
 
 def stands_out(ranked: Ranked, detect: float) -> bool:
-    """Return whether an event wins clearly more than other moments do; True where no moment was sought.
+    """Return whether an event stands out from other moments as chance hardly does; True where no moment was sought.
 
-    detect : evidence that an effect needs without a choice of moments.
+    detect : evidence that an effect needs.
     """
-    elsewhere = ranked.hypothesis.elsewhere
-    return elsewhere <= 0.0 or ranked.evidence >= detect + 2.0 * elsewhere
+    chance = ranked.hypothesis.chance
+    return chance <= 0.0 or (chance <= ALPHA and ranked.evidence >= detect)

@@ -15,25 +15,30 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.candidate import GROWTH, Candidate
 from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.candidates.outstanding import MOMENTS, by_chance
+from fsm_calib.diagnosis.candidates.push_alike import AlikeSearch
 from fsm_calib.diagnosis.candidates.pushed import (
     Moment,
     Pushed,
-    best_apart_from,
     known_beside,
     standing,
     together,
 )
-from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, Pushes, pushes
+from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, Pushes, are_apart, pushes
 from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.score_tests import Residual
+from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.effects.numbered import starts_in
 from fsm_calib.world2d.scale import Scale
 
 SIMULATED = 6  # moments of one recording that are tried by simulation, more than may stand together
 SAME = 1.0  # s between the middles of two of them
+OTHERS_APART = (
+    2.0  # s between the middles of those that one has to stand out from: what is seen of one overlaps less
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +63,7 @@ class PushSearch:
         best = max((candidate.promise for candidate in kicks), default=0.0)
         held = self._each(self._held, self._seen[1:], keep)
         lasting = [candidate for candidate in held if candidate.promise > best + 0.5 * self._price]
-        return kicks + lasting + list(self._together())
+        return kicks + lasting + list(self._together()) + self._alike()
 
     @property
     def _price(self) -> float:
@@ -89,6 +94,16 @@ class PushSearch:
         """The pushes that last, found in the same way, also where a kick stands out: it may be how one began."""
         return side_by_side(self.residual.engine, Moment.held, self._moments(self._seen))
 
+    def _alike(self) -> list[Candidate]:
+        """Return what came alike in every recording."""
+        engine, worth = self.residual.engine, (self._worth, self._price)
+        return AlikeSearch(self._seen, engine, self.situations, self._moment, *worth).candidates()
+
+    def _moment(self, run: int, start: float, length: float, seen: float = 0.0) -> Moment:
+        """Return a moment of one recording."""
+        told = run, start, length, self.scale, seen
+        return Moment(self.effect, self.passages[run], self.residual, self.situations[run], *told)
+
     def _moments(self, seen: Sequence[Sequence[Pushes]]) -> Iterator[Moment]:
         """Yield the moments that promise most, of some lengths and apart in time, where one may be worth a push.
 
@@ -103,8 +118,7 @@ class PushSearch:
             length = np.concatenate([np.full(len(one.starts), one.length) for one in lengths])
             middle = (starts + 0.5 * length)[:, None]
             for i in apart(won, middle, SIMULATED, SAME):
-                told = run, float(starts[i]), float(length[i]), self.scale, float(won[i])
-                yield Moment(self.effect, self.passages[run], self.residual, self.situations[run], *told)
+                yield self._moment(run, float(starts[i]), float(length[i]), float(won[i]))
 
     def _standing(self, found: Sequence[Pushed]) -> Mapping[int, list[Pushed]]:
         """Return of each recording the pushes that stand out together, at least its best one of those found."""
@@ -115,26 +129,56 @@ class PushSearch:
         self, simulated: Sequence[Pushed], seen: Iterable[Sequence[Pushes]], keep: int
     ) -> list[Candidate]:
         """Return the best of some pushes, each by itself."""
-        tried, stand = [one for lengths in seen for one in lengths], self._standing(simulated)
-        found = []
+        every, stand, found = _moments_of(seen, simulated), self._standing(simulated), []
         for push in simulated:
-            known = known_beside(push, stand)
-            elsewhere = max(_linear(tried, push.run, known), best_apart_from(simulated, known))
-            found.append(Candidate(push.changes, push.promise, push.run, elsewhere))
+            chance = by_chance([push.promise, *_others(every, known_beside(push, stand))])
+            found.append(Candidate(push.changes, push.promise, push.run, chance))
         return sorted(found, key=lambda candidate: -candidate.promise)[:keep]
 
     def _together(self) -> Iterator[Candidate]:
         """Yield of each recording what stands out together, where that is more than one."""
-        tried, found = [one for lengths in self._seen for one in lengths], [*self._kicks, *self._held]
-        stand = self._standing(found)
+        found = [*self._kicks, *self._held]
+        every, stand = _moments_of(self._seen, found), self._standing(found)
         for run, several in stand.items():
             if len(several) > 1:
-                elsewhere = max(_linear(tried, run, stand), best_apart_from(found, stand))
-                won = sum(push.promise for push in several)
-                yield Candidate(together(several, self.effect), won, run, elsewhere)
+                won = sorted((push.promise for push in several), reverse=True)
+                chance = by_chance([*won, *_others(every, stand)], len(several))
+                yield Candidate(together(several, self.effect), sum(won), run, chance)
 
 
-def _linear(tried: Iterable[Pushes], own: int, known: Mapping[int, Sequence[Pushed]]) -> float:
-    """Return the most that a speed error wins at a moment which is none of the `known` pushes of its recording."""
-    told = {run: [(p.start, p.length) for p in pushes] for run, pushes in known.items()}
-    return max(one.won_apart_from(told.get(one.run, ()), own) for one in tried)
+@dataclass(frozen=True, eq=False)
+class _Moments:
+    """All pushes (m,) that were tried in one recording: begins and lengths [s], and what each wins."""
+
+    starts: FloatArray
+    lengths: FloatArray
+    won: FloatArray
+
+
+def _moments_of(seen: Iterable[Sequence[Pushes]], simulated: Sequence[Pushed]) -> list[_Moments]:
+    """Return what was tried in each recording: speed errors of some lengths, and pushes that were simulated."""
+    return [
+        _Moments(
+            np.concatenate([*(one.starts for one in each), [p.start for p in simulated if p.run == run]]),
+            np.concatenate(
+                [
+                    *(np.full(len(one.starts), one.length) for one in each),
+                    [p.length for p in simulated if p.run == run],
+                ]
+            ),
+            np.concatenate([*(one.won for one in each), [p.won for p in simulated if p.run == run]]),
+        )
+        for run, each in enumerate(zip(*seen, strict=True))
+    ]
+
+
+def _others(every: Sequence[_Moments], known: Mapping[int, Sequence[Pushed]]) -> list[float]:
+    """Return what moments apart in time win that are none of the `known` of their recording, most first."""
+    found: list[float] = []
+    for run, moments in enumerate(every):
+        free = np.ones(len(moments.won), dtype=bool)
+        for push in known.get(run, ()):
+            free &= are_apart(moments.starts, moments.lengths, push.start, push.length)
+        won, middle = moments.won[free], (moments.starts + 0.5 * moments.lengths)[free]
+        found += won[apart(won, middle[:, None], MOMENTS + 1, OTHERS_APART)].tolist()
+    return sorted(found, reverse=True)

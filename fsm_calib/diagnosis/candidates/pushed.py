@@ -1,15 +1,8 @@
-r"""Which push brings about what was seen after a moment? Found by simulation, as a push is not linear.
+"""A push at one moment of one recording, with the impulse that a simulation finds there (`impulse.py`).
 
-    J <- J + argmin_s |w (r(J) - C s)|^2        C_i = (f(J + d_i) - f(J)) / |d_i|,  r(J) = r(0) - f(J)
-
-J [N s, N s, N m s] the impulse ahead, to the left and about the vertical at the push's begin; f(J) what it changes in
-the whitened increments of the seconds in which it shows, r their residual, w the robust weights; d_i a nudge along each
-of the three, of a size that moves a robot. A robot that stands, or that is pushed sideways, does not move until dry
-friction or its tyres give way, and the motors of one robot hold it a hundred times as stiffly as those of another: a
-rule for the first guess misses by as much. A speed controller ends at once what a hand began, and shows it again, the
-other way, where the hand lets go: how long it leant is asked of the simulation, too (of a robot that was leant on three
-times in a drive 14 to 15 units by speed errors that last became 33 to 45). Source: Gauss-Newton with secants, halved
-while it makes things worse.
+A speed controller ends at once what a hand began, and shows it again, the other way, where the hand lets go: how long
+it leant is asked of the simulation, too (of a robot that was leant on three times in a drive 14 to 15 units by speed
+errors that last became 33 to 45).
 """
 
 from __future__ import annotations
@@ -21,10 +14,10 @@ from functools import cached_property
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.candidate import GROWTH
+from fsm_calib.diagnosis.candidates.impulse import ROUNDS, Impulse
 from fsm_calib.diagnosis.candidates.outstanding import standing_out
-from fsm_calib.diagnosis.candidates.scan_pushes import KICK, SEEN, are_apart, fitted
+from fsm_calib.diagnosis.candidates.scan_pushes import KICK, SEEN, are_apart
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.likelihood.robust import log_kernel
 from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.diagnosis.shapes.score_tests import Residual
@@ -34,12 +27,9 @@ from fsm_calib.world2d.effects.numbered import numbered
 from fsm_calib.world2d.scale import Scale
 
 IMPULSES = ("impulse_x", "impulse_y", "impulse_turn")
-ROUNDS = 3  # of Gauss-Newton: what is left of a push is fitted in full anyway
-HALVINGS = 2
 SHIFTS = (-0.2, -0.1, 0.1, 0.2)  # s about a moment of the scan
 LEANT = (0.5, 0.8, 1.2, 1.7, 2.5)  # s for which somebody may have leant on it
 SHARE = 0.6  # of a strength's bounds within which its first guess lies
-NUDGE = 0.2  # of the impulse so far, the size of the next nudges
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,18 +88,13 @@ def together(pushes: Sequence[Pushed], effect: Effect) -> dict[str, float]:
     }
 
 
-def best_apart_from(others: Sequence[Pushed], known: Mapping[int, Sequence[Pushed]]) -> float:
-    """Return the most that one wins which is none of the `known` of its recording."""
-    apart = (o for o in others if all(o.is_apart_from(k) for k in known.get(o.run, ())))
-    return max((o.won for o in apart), default=0.0)
-
-
 @dataclass(frozen=True, eq=False)
 class Moment:
     """A moment of one recording, with all that a push there is judged by.
 
     passages : of the parent model in that recording, of which only the push's seconds are simulated; scale : of the
-    robot; seen : what a speed error here wins.
+    robot; seen : what a speed error here wins; along : what its impulses are told along, as the effect has it, for one
+    that comes alike elsewhere; None: ahead and to the left, told in the world.
     """
 
     effect: Effect
@@ -121,10 +106,11 @@ class Moment:
     length: float
     scale: Scale
     seen: float = 0.0
+    along: float | None = None
 
     def kick(self) -> Pushed:
         """Return the kick that wins most about here: what it began a controller ends in a tenth of a second."""
-        return _most(moment.push() for moment in (self, *self._shifted()))
+        return _most(moment.push() for moment in (self, *self.shifted()))
 
     def held(self) -> Pushed:
         """Return the push of some length that wins most, of those that begin, or end, about here."""
@@ -135,42 +121,23 @@ class Moment:
         ]
         best = _most(moment.push(rounds=1) for moment in tried)
         about = replace(self, start=best.start, length=best.length)
-        best = _most([best, *(moment.push(rounds=1) for moment in about._shifted())])
+        best = _most([best, *(moment.push(rounds=1) for moment in about.shifted())])
         return replace(about, start=best.start).push()
 
-    def _shifted(self) -> list[Moment]:
+    def shifted(self) -> list[Moment]:
         """Return the moments a little before and after."""
         return [replace(self, start=self.start + shift) for shift in SHIFTS]
 
     def push(self, rounds: int = ROUNDS) -> Pushed:
         """Return the push that wins most here, after some rounds."""
-        nu, white = self.residual.engine.nu, self._white
-        impulse: FloatArray = np.zeros(3)
-        done: FloatArray = np.zeros(len(white))
-        won, nudge = 0.0, self._nudge()
-        for _ in range(rounds):
-            ahead = self._changed([impulse + d for d in np.diag(nudge)]) - done[:, None]
-            _, step = fitted(ahead / nudge, white - done, nu)
-            better = self._uphill(impulse, step, won)
-            if better is None:
-                break
-            impulse, done, won = better
-            nudge = np.maximum(NUDGE * np.abs(impulse), NUDGE * self._nudge())
+        impulse, won = self.search().most_won(rounds)
         return Pushed(self.run, self.start, self.length, self._named(impulse), won, self.seen)
 
-    def _uphill(
-        self, impulse: FloatArray, step: FloatArray, won: float
-    ) -> tuple[FloatArray, FloatArray, float] | None:
-        """Return the impulse after a step, what it changes and wins; None where no part of the step wins more."""
-        white, nu = self._white, self.residual.engine.nu
-        before = log_kernel(white, nu)
-        tried = [np.clip(impulse + 0.5**k * step, *self._bounds()) for k in range(HALVINGS + 1)]
-        changed = self._changed(tried)
-        wins = [float(log_kernel(white - column, nu) - before) for column in changed.T]
-        best = int(np.argmax(wins))
-        return (tried[best], changed[:, best], wins[best]) if wins[best] > won else None
+    def search(self) -> Impulse:
+        """Return the search for the impulse of a push here."""
+        return Impulse(self.changed, self.white, self.residual.engine.nu, self.nudge(), self.high())
 
-    def _changed(self, impulses: list[FloatArray]) -> FloatArray:
+    def changed(self, impulses: list[FloatArray]) -> FloatArray:
         """Return what pushes (3,) change in the whitened increments of the seconds in which they show (n, m)."""
         first, last = self._seconds
         pushed = [with_values(self.passages.values[None], self._named(impulse)) for impulse in impulses]
@@ -185,34 +152,42 @@ class Moment:
         return max(first - 1, 0), min(last, len(time) - 1)
 
     @cached_property
-    def _white(self) -> FloatArray:
+    def white(self) -> FloatArray:
         """The whitened innovations (n,) of the seconds in which the push shows."""
         scored, (first, last) = self.passages.simulator.prepared.scored, self._seconds
         begin = self.residual.rows(self.run).start + int(scored[:first].sum())
         return self.residual.white[begin : begin + int(scored[first : last + 1].sum())]
 
-    def _nudge(self) -> FloatArray:
+    def nudge(self) -> FloatArray:
         """Return impulses (3,) that move a robot: the typical ones, at the force of a kick."""
         typical = [abs(self.effect.parameter(n).typical) * self._factor(n) for n in IMPULSES]
         return np.array([max(typical[:2]), max(typical[:2]), typical[2]]) * self.length / KICK
 
-    def _bounds(self) -> tuple[FloatArray, FloatArray]:
-        high = np.array([SHARE * self.effect.parameter(n).high * self._factor(n) for n in IMPULSES])
-        return -high, high
+    def high(self) -> FloatArray:
+        """Return the largest impulses (3,) that are looked for."""
+        return np.array([SHARE * self.effect.parameter(n).high * self._factor(n) for n in IMPULSES])
 
     def _factor(self, name: str) -> float:
         return self.scale.factor(self.effect.parameter(name).unit)
 
     def _named(self, impulse: FloatArray) -> dict[str, float]:
-        """Return the start values of an impulse (3,) ahead, to the left and about the vertical."""
-        s, name = self.situation, self.effect.name
-        heading = float(np.interp(self.start, s.time, s.heading))
-        c, d = np.cos(heading), np.sin(heading)
-        ahead, left, turn = impulse.tolist()
-        values = (c * ahead - d * left, d * ahead + c * left, turn)
+        """Return the start values of an impulse (3,), along what the moment's are told."""
+        return {**self.shared(impulse), f"{self.effect.name}.start": self.start}
+
+    def shared(self, impulse: FloatArray) -> dict[str, float]:
+        """Return what of the start values of an impulse (3,) every push that is like this one has."""
+        name = self.effect.name
+        values = self.turned(impulse) if self.along is None else impulse
         held = {f"{name}.duration": self.length} if self.length > KICK else {}
+        along = {} if self.along is None else {f"{name}.along": self.along}
         named = {f"{name}.{n}": float(v) for n, v in zip(IMPULSES, values, strict=True)}
-        return {**named, f"{name}.start": self.start, **held}
+        return {**named, **held, **along}
+
+    def turned(self, impulse: FloatArray) -> FloatArray:
+        """Return an impulse (3,) ahead, to the left and about the vertical in the world's directions."""
+        heading = float(np.interp(self.start, self.situation.time, self.situation.heading))
+        c, s = np.cos(heading), np.sin(heading)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ impulse
 
 
 def _most(pushes: Iterable[Pushed]) -> Pushed:

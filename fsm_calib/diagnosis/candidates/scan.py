@@ -20,6 +20,7 @@ import numpy as np
 from fsm_calib.diagnosis.candidates.candidate import GROWTH, Candidate
 from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.fault_search import FaultSearch
+from fsm_calib.diagnosis.candidates.outstanding import MOMENTS, by_chance
 from fsm_calib.diagnosis.candidates.push_search import PushSearch
 from fsm_calib.diagnosis.candidates.scan_areas import Area, boxes, drag_columns, settled, strips
 from fsm_calib.diagnosis.candidates.scan_default import (
@@ -229,22 +230,26 @@ class Scanner:
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
     def tried_moments(self, effect: Effect) -> list[Candidate]:
-        """Return moments at which any effect of a moment promises most, each with the best apart from it."""
+        """Return moments at which any effect of a moment promises most, each with how it stands out."""
         trial, found = Trial(effect, self.parent, self.residual), []
         for strength in trial.strengths():
             tried = [tried_moments(trial, run, strength) for run in range(len(self.simulators))]
             for run, (starts, promise) in enumerate(tried):
-                others = max((float(p.max()) for i, (_, p) in enumerate(tried) if i != run), default=0.0)
+                others = [_apart(p, s, MOMENTS + 1) for i, (s, p) in enumerate(tried) if i != run]
                 for b in apart(promise, starts[:, None], KEEP, 2 * STEP):
-                    elsewhere = max(others, _best_beyond(promise, starts, b, MOMENTS_APART))
+                    free = np.abs(starts - starts[b]) > MOMENTS_APART
+                    rest = np.sort(
+                        np.concatenate([_apart(promise[free], starts[free], MOMENTS + 1), *others])
+                    )
+                    chance = by_chance([float(promise[b]), *rest[::-1].tolist()])
                     changes = {f"{effect.name}.start": float(starts[b])}
-                    found.append(Candidate(changes, float(promise[b]), run, elsewhere))
+                    found.append(Candidate(changes, float(promise[b]), run, chance))
         return sorted(found, key=lambda c: -c.promise)[:KEEP]
 
 
-def _best_beyond(promise: FloatArray, starts: FloatArray, chosen: int, distance: float) -> float:
-    """Return the largest promise farther than `distance` [s] from the chosen moment."""
-    return float(promise[np.abs(starts - starts[chosen]) > distance].max(initial=0.0))
+def _apart(promise: FloatArray, starts: FloatArray, keep: int) -> FloatArray:
+    """Return the largest promises of moments that are apart in time."""
+    return promise[apart(promise, starts[:, None], keep, MOMENTS_APART)]
 
 
 Scan = Callable[[Scanner, Effect], list[Candidate]]

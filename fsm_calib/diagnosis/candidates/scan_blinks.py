@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fsm_calib.diagnosis.candidates.outstanding import standing_out
+from fsm_calib.diagnosis.candidates.outstanding import MOMENTS, by_chance, standing_out
 from fsm_calib.diagnosis.candidates.scan_pushes import APART, GAP, SEEN, innovations_of
 from fsm_calib.diagnosis.likelihood.robust import SWEEPS
 from fsm_calib.diagnosis.shapes.score_tests import Residual
@@ -30,7 +30,6 @@ LOSSES = (
 )  # smallest and largest loss that counts: to first order a dead motor may lose more than all
 FEWEST = 2  # of less than this many each is a span, or a push
 ALONE = 0.25  # loss over at least STEP from which one may be a plug that opened once (`plausible.py`)
-KEPT = 3  # further spans that are looked at for the next best
 
 Cells = Callable[[FloatArray], FloatArray]
 Places = NDArray[np.intp]
@@ -38,12 +37,14 @@ Places = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True)
 class Blinks:
-    """Spans (k, 2) of begin and end [s], most first, the loss that they share [1], what they win, and the next best."""
+    """Spans (k, 2) of begin and end [s], most first, the loss that they share [1], what they win, and by which
+    chance so much more than the next ones.
+    """
 
     spans: FloatArray
     loss: float
     won: float
-    elsewhere: float
+    chance: float
 
 
 def blinks(residual: Residual, run: int, cells: Cells, worth: float, most: int) -> Blinks | None:
@@ -60,14 +61,14 @@ def blinks(residual: Residual, run: int, cells: Cells, worth: float, most: int) 
     short = last - first <= round(LONGEST / STEP)
     first, last = first[short], last[short]
     won, loss = _each(residual, run, cells(edges), edges, (first, last))
-    chosen = list(_apart(first, last, won, most + KEPT))
+    chosen = list(_apart(first, last, won, most + MOMENTS))
     size = standing_out([float(won[i]) for i in chosen], worth, most)
     best = chosen[:size]
     if size < FEWEST and not any(loss[i] >= ALONE for i in best):
         return None
     spans = np.column_stack([edges[first[best]], edges[last[best]]])
     shared = float(np.average(loss[best], weights=won[best]))
-    return Blinks(spans, shared, float(won[best].sum()), float(won[chosen[size]]))
+    return Blinks(spans, shared, float(won[best].sum()), by_chance(won[chosen].tolist(), size))
 
 
 def _each(

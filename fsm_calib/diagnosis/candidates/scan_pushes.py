@@ -9,7 +9,7 @@ beside it: it does not move for one second of a drive. How hard it was pushed is
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,28 +32,21 @@ GAP = 1.0  # s between what is seen of two pushes that share a column
 
 @dataclass(frozen=True, eq=False)
 class Pushes:
-    """Pushes of one length [s] in one recording: starts (m,) [s], log-likelihood won (m,)."""
+    """Pushes of one length [s] in one recording: starts (m,) [s], log-likelihood won (m,).
+
+    numbers : (m, 3) the speed errors ahead, to the left and at the rim that win it [m/s]; power : (m, 3, 3) of their
+    columns, weighed, so that half of numbers' power numbers is about what is won.
+    """
 
     run: int
     length: float
     starts: FloatArray
     won: FloatArray
-
-    def won_apart_from(self, known: Sequence[tuple[float, float]], own: int) -> float:
-        """Return the most that one of these wins which is none of the `known` (start, length) [s].
-
-        In another recording than `own` its best one is left out, too: every recording may have a push of its own.
-        """
-        known = list(known)
-        if self.run != own and len(self.starts):
-            known.append((float(self.starts[int(np.argmax(self.won))]), self.length))
-        apart = np.ones(len(self.starts), dtype=bool)
-        for start, length in known:
-            apart &= are_apart(self.starts, self.length, start, length)
-        return float(self.won[apart].max(initial=0.0))
+    numbers: FloatArray
+    power: FloatArray
 
 
-def are_apart(starts: FloatArray, length: float, start: float, lasted: float) -> np.ndarray:
+def are_apart(starts: FloatArray, length: FloatArray | float, start: float, lasted: float) -> np.ndarray:
     """Return which pushes of `length` [s] end well before, or begin well after, one that `lasted` [s] from `start`."""
     return np.asarray((starts + length < start - APART) | (starts > start + lasted + APART))
 
@@ -75,25 +68,31 @@ def pushes(residual: Residual, run: int, s: Situation, length: float) -> Pushes:
     columns = np.empty((len(time), 3 * period))
     for channel, increments in enumerate(_trains(s, starts, length, period)):
         columns[:, channel::3] = residual.engine.white_columns((whitener,), (increments,))
-    won = np.zeros(len(starts))
+    won, numbers, power = np.zeros(len(starts)), np.zeros((len(starts), 3)), np.zeros((len(starts), 3, 3))
     for b, start in enumerate(starts.tolist()):
         rows = slice(*np.searchsorted(time, (start, start + length + SEEN)))
         train = 3 * (b % period)
-        won[b], _ = fitted(columns[rows, train : train + 3], white[rows], nu)
-    return Pushes(run, length, starts, won)
+        won[b], numbers[b], power[b] = fitted(columns[rows, train : train + 3], white[rows], nu)
+    return Pushes(run, length, starts, won, numbers, power)
 
 
-def fitted(x: FloatArray, white: FloatArray, nu: float) -> tuple[float, FloatArray]:
-    """Return the gain in log-likelihood and the numbers (3,) of columns `x` (n, 3) by reweighted least squares."""
+def fitted(x: FloatArray, white: FloatArray, nu: float) -> tuple[float, FloatArray, FloatArray]:
+    """Return the gain in log-likelihood, the numbers (3,) of columns `x` (n, 3) and the columns' weighed power (3, 3).
+
+    By reweighted least squares.
+    """
     if not len(x):
-        return 0.0, np.zeros(3)
-    numbers = _reweighted(np.ascontiguousarray(x), white, nu)
-    return float(log_kernel(white - x @ numbers, nu) - log_kernel(white, nu)), numbers
+        return 0.0, np.zeros(3), np.zeros((3, 3))
+    numbers, lower = _reweighted(np.ascontiguousarray(x), white, nu)
+    power = lower + np.tril(lower, -1).T
+    return float(log_kernel(white - x @ numbers, nu) - log_kernel(white, nu)), numbers, power
 
 
 @njit(cache=True)
 def _reweighted(x, white, nu):  # type: ignore[no-untyped-def]
-    """Return the numbers (3,) that leave least of `white` (n,); `robust_weights` of what the sweep before leaves.
+    """Return the numbers (3,) that leave least of `white` (n,), and the lower half of the power they stand on (3, 3).
+
+    By `robust_weights` of what the sweep before leaves.
 
     There are thousands of fits of a few dozen rows: by arrays, most of their time is spent in calls.
     """
@@ -110,7 +109,7 @@ def _reweighted(x, white, nu):  # type: ignore[no-untyped-def]
                 for j in range(i + 1):
                     normal[i, j] += weight * x[k, i] * x[k, j]
         numbers = _solved(normal, moment)
-    return numbers
+    return numbers, normal
 
 
 @njit(cache=True)

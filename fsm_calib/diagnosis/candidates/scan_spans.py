@@ -7,7 +7,7 @@ and end find these: a fit that starts a second off stays there, since the likeli
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from fsm_calib.types import FloatArray
 COARSE, FINE = 0.75, 0.15  # s between edges
 ABOUT = 1.2  # s about a coarse edge in which fine ones are tried
 LOSSES = (0.005, 1.0)  # smallest and largest change of a gain that counts
+FINER = 0.15  # log of the ratio between losses that are tried: what a span promises hardly falls within it
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,18 +40,83 @@ def likely_span(residual: Residual, run: int, cells: Cells, sizes: tuple[float, 
     cells : edges (m + 1,) [s] to what acting in each cell between two of them changes in the recording's increments,
     (n, 5, m); sizes : smallest and largest multiple of that which counts.
     """
+    ends = _ends(residual, run)
+    found = _best(residual, run, cells, sizes, _coarse_edges(ends))
+    fine = _best(residual, run, cells, sizes, _edges_about(found, ends))
+    return max(found, fine, key=lambda span: span.promise)
+
+
+def alike_spans(residual: Residual, each: Sequence[Cells]) -> list[Span]:
+    """Return a span of each recording by one loss that all share, which promise most together.
+
+    each : the `cells` of every recording. For a loss x the best span of a recording is told by itself,
+    max (x s - x^2 P / 2) of its score s and power P, so that x alone is sought (by ratios, then about the best).
+    """
+    ends = [_ends(residual, run) for run in range(len(each))]
+    coarse = [_spans(residual, run, cells, _coarse_edges(ends[run])) for run, cells in enumerate(each)]
+    sizes = np.geomspace(*LOSSES, round(np.log(LOSSES[1] / LOSSES[0]) / FINER))
+    found = _most_together(coarse, [*-sizes, *sizes])
+    fine = [
+        _spans(residual, run, cells, _edges_about(span, ends[run]))
+        for run, (cells, span) in enumerate(zip(each, found, strict=True))
+    ]
+    near = found[0].loss * np.linspace(0.5, 2.0, 31)
+    return max(found, _most_together(fine, near), key=lambda spans: sum(span.promise for span in spans))
+
+
+def _most_together(each: Sequence[_Spans], losses: Iterable[float]) -> list[Span]:
+    """Return of each recording the best span by the loss that promises most in all."""
+    tried = ([spans.best_with(float(loss)) for spans in each] for loss in losses)
+    return max(tried, key=lambda found: sum(span.promise for span in found))
+
+
+def _ends(residual: Residual, run: int) -> tuple[float, float]:
+    """Return between which times [s] the spans of a recording lie."""
     time = residual.whiteners[run].prepared.time
-    ends = [max(time[0], 0.0), time[-1]]
-    found = _best(
-        residual, run, cells, sizes, np.unique([*np.arange(ends[0], ends[1] - COARSE, COARSE), *ends])
-    )
-    about = [np.arange(at - ABOUT, at + ABOUT, FINE) for at in (found.begin, found.end)]
-    fine = np.unique(np.clip(np.concatenate([*about, ends]), *ends))
-    return max(found, _best(residual, run, cells, sizes, fine), key=lambda span: span.promise)
+    return max(float(time[0]), 0.0), float(time[-1])
+
+
+def _coarse_edges(ends: tuple[float, float]) -> FloatArray:
+    """Return edges [s] over the whole recording."""
+    return np.unique([*np.arange(ends[0], ends[1] - COARSE, COARSE), *ends])
+
+
+def _edges_about(span: Span, ends: tuple[float, float]) -> FloatArray:
+    """Return fine edges [s] about begin and end of a span, and the recording's ends."""
+    about = [np.arange(at - ABOUT, at + ABOUT, FINE) for at in (span.begin, span.end)]
+    return np.unique(np.clip(np.concatenate([*about, ends]), *ends))
 
 
 def _best(residual: Residual, run: int, cells: Cells, sizes: tuple[float, float], edges: FloatArray) -> Span:
-    """Return the most promising span between two of `edges` [s]; what is fitted is taken off the cells' products."""
+    """Return the most promising span between two of `edges` [s]."""
+    spans = _spans(residual, run, cells, edges)
+    amplitude = spans.score / np.maximum(spans.power, NO_POWER)
+    counts = (np.abs(amplitude) > sizes[0]) & (np.abs(amplitude) < sizes[1])
+    promise = np.where(counts, 0.5 * amplitude**2 * spans.power, 0.0)
+    return spans.span(int(np.argmax(promise)), -float(amplitude[np.argmax(promise)]), float(promise.max()))
+
+
+@dataclass(frozen=True, eq=False)
+class _Spans:
+    """All spans (c,) between two of some edges [s]: begins, ends, the score and the power of their columns."""
+
+    begin: FloatArray
+    end: FloatArray
+    score: FloatArray
+    power: FloatArray
+
+    def span(self, number: int, loss: float, promise: float) -> Span:
+        """Return one of them."""
+        return Span(float(self.begin[number]), float(self.end[number]), loss, promise)
+
+    def best_with(self, loss: float) -> Span:
+        """Return the span that promises most where the motor loses so much [1]."""
+        promise = -loss * self.score - 0.5 * loss * loss * self.power
+        return self.span(int(np.argmax(promise)), loss, float(promise.max()))
+
+
+def _spans(residual: Residual, run: int, cells: Cells, edges: FloatArray) -> _Spans:
+    """Return all spans between two of `edges` [s]; what is fitted is taken off the cells' products."""
     white = residual.engine.white_columns((residual.whiteners[run],), (cells(edges),))
     rows = residual.rows(run)
     inside = residual.basis[rows].T @ white
@@ -59,11 +125,7 @@ def _best(residual: Residual, run: int, cells: Cells, sizes: tuple[float, float]
     gram[1:, 1:] = np.cumsum(np.cumsum(white.T @ white - inside.T @ inside, axis=0), axis=1)
     i, j = np.triu_indices(len(edges), 1)
     power = gram[j, j] - gram[i, j] - gram[j, i] + gram[i, i]
-    amplitude = (score[j] - score[i]) / np.maximum(power, NO_POWER)
-    counts = (np.abs(amplitude) > sizes[0]) & (np.abs(amplitude) < sizes[1])
-    promise = np.where(counts, 0.5 * amplitude**2 * power, 0.0)
-    best = int(np.argmax(promise))
-    return Span(float(edges[i[best]]), float(edges[j[best]]), -float(amplitude[best]), float(promise[best]))
+    return _Spans(edges[i], edges[j], score[j] - score[i], power)
 
 
 def gain_cells(residual: Residual, run: int, gain: FloatArray, edges: FloatArray) -> FloatArray:

@@ -20,6 +20,7 @@ from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
 from fsm_calib.diagnosis.fitting.values import switched_off
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
 STEPS = 12  # Gauss-Newton steps at most from the fit of all recordings
@@ -37,11 +38,12 @@ class OneLaw:
 def one_law(engine: Engine, parent: Fit, fit: Fit, effect: str) -> OneLaw:
     """Return how much of what `effect` adds to `parent` in `fit` is lost between the recordings.
 
-    nan for one recording, for an event of one recording, and for a place that one recording alone has crossed.
+    nan for one recording, for an event, which is an occasion and no law (whether it came alike in all of them is asked
+    where it is found), and for a place that one recording alone has crossed.
     """
     runs = range(len(engine.simulators))
     learnt = [s for s in fit.slots if _is_learnt(s, effect)]
-    if len(runs) < 2 or not learnt:
+    if len(runs) < 2 or not learnt or registry()[effect].scan == "time":
         return OneLaw(np.nan, ())
     bare = [_without(engine, parent, fit, run, effect) for run in runs]
     kept = [_score(engine, parent, fit, run, fit.values[run : run + 1]) - bare[run] for run in runs]

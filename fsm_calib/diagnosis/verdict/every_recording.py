@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from fsm_calib.diagnosis.candidates.each_its_own import each_its_own
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -17,11 +18,12 @@ def in_every_recording(
 ) -> Ranked:
     """Return an event with all that happened of its kind in any recording, begins and ends sought along the clock.
 
-    needed : evidence that each must have; is_told : whether one is what its name says. Other effects are returned as
-    they are.
+    needed : evidence that each must have; is_told : whether one is what its name says. One that came alike in every
+    recording has numbers of its own in each where these tell more. Other effects are returned as they are.
     """
     if ranked.hypothesis.run == ALL_RUNS:
-        return ranked
+        own = each_its_own(engine, ranked)
+        return own if own is not None and is_told(own) else ranked
     bank = Bank.on(engine, ranked.fit)  # one scan tells of all recordings until something is found
     for run in range(len(engine.simulators)):
         while (more := _again(bank, ranked, run, needed, is_told)) is not None:
@@ -62,7 +64,7 @@ def _again(
     if found is None or found.evidence < needed or not is_told(found):
         return None
     if run == event.run:
-        ranked = replace(ranked, hypothesis=replace(found.hypothesis, elsewhere=event.elsewhere))
+        ranked = replace(ranked, hypothesis=replace(found.hypothesis, chance=event.chance))
     return _with(ranked, found.evidence, found.gain, found)
 
 

@@ -1,14 +1,14 @@
 r"""How sure is a name? It must add something, beat its rivals, and be the law that it says.
 
-    P(name) = P(added > 0) / (1 + sum_r (1 - p_r) / p_r) P(shape)            r: rivals that are beaten, and twins
+    P(name) = P(added > 0) / (1 + c + sum_r (1 - p_r) / p_r) P(shape)        r: rivals that are beaten, and twins
     log odds of shape = SURE - DOUBT [log(1 + i left / SLIGHT) + patchy] - ANOTHER [max(replaced, 0) + max(moved, 0)]
                         - jolted
 
 added, p_r : from the gaps in evidence over nothing and over rival r, each tempered by its own spread from second to
-second (`proof/gap.py`; a moment over nothing by what other moments promise, `Support.alone`), that over a rival also by
-a hundredth of what the name explains (EXACT: no equation is exact to less). left, replaced, moved [1] : shares of what
-the name explains that un-named forms explain beside it, or better in its place, and that is another law in each drive;
-patchy [1] : how well it could mend what is inexact in stronger effects (`verdict/support.py`);
+second (`proof/gap.py`), that over a rival also by a hundredth of what the name explains (EXACT: no equation is exact to
+less); c [1] : the odds that a moment stands out so far by chance (`Support.by_chance`); left, replaced, moved [1] :
+shares of what the name explains that un-named forms explain beside it, or better in its place, and that is another law
+in each drive; patchy [1] : how well it could mend what is inexact in stronger effects (`verdict/support.py`);
 jolted [1] : an event comes where the robot is jolted most (`proof/jolts.py`). A right name whose
 equation is another than ours and a wrong neighbour differ in these shares, not in sizes. The numbers were set on opened
 development robots (`benchmarks/concealed`, `benchmarks/engine` with the mass behind the axle, `benchmarks/foreign` seed
@@ -57,7 +57,7 @@ def belief_of(support: Support) -> Belief:
     beaten = [(r.name, support.beats(r.gap)) for r in support.rivals]
     near = [name for name, p in beaten if p < TOLD_APART]
     against = sum((1.0 - p) / p for _, p in beaten if p >= TOLD_APART)
-    against += sum((1.0 - p) / max(p, TINY) for p in map(support.beats, support.twins))
+    against += sum((1.0 - p) / max(p, TINY) for p in map(support.beats, support.twins)) + support.by_chance
     probability = support.alone.probability * shape_probability(support) / (1.0 + against)
     return Belief(support.effect, probability, (support.name, *near))
 

@@ -56,14 +56,13 @@ class Support:
     def alone(self) -> Gap:
         """What the effect adds, and how much of that what is inexact elsewhere may bring about.
 
-        Of a law that is its spread from second to second. A moment's evidence lies in one second by nature: there it is
-        what the best other moment promises. And no equation of the others is exact to less than a hundredth of what
-        they explain (EXACT), which may all show at one time, when a gear's play is first taken up.
+        Of a law that is its spread from second to second. A moment's evidence lies in one second by nature: how far it
+        stands out from other moments is asked (`by_chance`). And no equation of the others is exact to less than a
+        hundredth of what they explain (EXACT), which may all show at one time, when a gear's play is first taken up.
         """
         if not is_event(registry()[self.name]):
             return self.added
-        elsewhere = 2.0 * self.effect.hypothesis.elsewhere
-        spread = elsewhere if elsewhere > 0.0 else self.added.spread
+        spread = 0.0 if self.effect.hypothesis.chance > 0.0 else self.added.spread
         return replace(self.added, spread=math.hypot(spread, EXACT * self.others))
 
     def beats(self, other: Gap) -> float:
@@ -72,6 +71,15 @@ class Support:
         No equation is exact to less than a hundredth of what it explains (EXACT).
         """
         return other.probability_within(EXACT * max(self.added.evidence, 0.0))
+
+    @property
+    def by_chance(self) -> float:
+        """How many effects of the catalogue would stand out so far at some moment where nothing happened, 0 to 28.
+
+        Each name that a robot may have is a priori as likely as a moment that is none, so that this is the odds
+        against an event.
+        """
+        return self.effect.hypothesis.chance * len(registry())
 
     @property
     def left(self) -> float:
@@ -91,12 +99,12 @@ class Support:
 
         What is left is held against a name as far as the forms that explain it could stand for the name: a remainder
         of another kind says that something is missing, not that this name is wrong. An event is no job, and whatever is
-        missing may show most in one second: there it counts until the event has twice what may come about elsewhere
-        (`alone`), and less the clearer it stands out.
+        missing may show most in one second: there it counts as far as other moments may show as much (`by_chance`), or
+        until the event has twice what the others' equations leave (`alone`).
         """
         evidence = max(self.added.evidence, 1.0)
         if is_event(registry()[self.name]):
-            return min(2.0 * self.alone.spread / evidence, 1.0)
+            return min(2.0 * self.alone.spread / evidence + self.by_chance, 1.0)
         return min(max(1.0 + self.forms.stand_in / evidence, 0.0), 1.0)
 
     @property

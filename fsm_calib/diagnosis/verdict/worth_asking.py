@@ -14,7 +14,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import has_phase, is_event
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.shapes.features import feature_groups
-from fsm_calib.diagnosis.shapes.score_tests import surprising, tested
+from fsm_calib.diagnosis.shapes.score_tests import ALPHA, surprising, tested
 from fsm_calib.world2d.effects import Effect
 
 PLACES = {"place", "place and heading"}
@@ -56,7 +56,7 @@ def standing_out(bank: Bank, effects: Sequence[Effect], needed: float) -> set[st
     found = set()
     for effect in (e for e in effects if e.when == "moment"):
         for moment in bank.scanner.candidates(effect):
-            evidence = 2.0 * moment.promise - price * len(moment.changes)
-            if evidence >= needed + 2.0 * moment.elsewhere:
+            evidence = 2.0 * moment.promise - price * moment.size
+            if evidence >= needed and moment.chance <= ALPHA:
                 found.add(effect.name)
     return found
