@@ -16,7 +16,7 @@ from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base, noise_names
 from fsm_calib.diagnosis.proof import gap
 from fsm_calib.diagnosis.proof.form_test import Contest, Remainder, contest
-from fsm_calib.diagnosis.proof.gap import LOGISTIC, Gap, block_sums, gap_between
+from fsm_calib.diagnosis.proof.gap import LOGISTIC, Gap, block_sums, gap_between, gap_where_it_acts
 from fsm_calib.diagnosis.proof.heldout import noise_floor, squared_error
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
 from fsm_calib.diagnosis.verdict import cross_examined
@@ -158,6 +158,29 @@ def test_the_spread_of_a_gap_is_that_of_a_sum_of_as_many_blocks_that_vary_alike(
     first, second = (SimpleNamespace(name=name, slots=(), score=0.0) for name in sums)
     expected = 2.0 * math.sqrt(3 * np.var([1.0, 5.0, 3.0], ddof=1))
     assert gap_between(SimpleNamespace(count=9), first, second).spread == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("acts", "left"), [([0.0, 0.0, 4.0, 2.0], 0.0), ([3.0, 3.0, 0.0, 0.0], 1.0), ([1.0, 1.0, 1.0, 1.0], 1.0)]
+)
+def test_evidence_that_comes_as_the_effect_acts_is_not_uneven(monkeypatch, acts, left):
+    sums = {"whole": np.array([3.0, 3.0, 11.0, 7.0]), "less": np.full(4, 3.0)}
+    monkeypatch.setattr(gap, "block_sums", lambda engine, fit: sums[fit.name])
+    monkeypatch.setattr(gap, "_changes", lambda engine, whole, less: np.array(acts))
+    whole, less = (SimpleNamespace(name=name, slots=(), score=0.0) for name in sums)
+    engine = SimpleNamespace(count=9)
+    expected = left * gap_between(engine, whole, less).spread
+    assert gap_where_it_acts(engine, whole, less).spread == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_motor_that_fails_for_some_seconds_adds_its_evidence_there():
+    fault = {"motor_fault__loss_left": 0.1, "motor_fault__start": 12.0, "motor_fault__duration": 8.0}
+    engine = engine_of(recording(0, **fault), recording(1))
+    base = fit_base(engine)
+    whole = fitted(engine, base, "motor_fault")
+    plain, where_it_acts = gap_between(engine, whole, base), gap_where_it_acts(engine, whole, base)
+    assert where_it_acts.evidence == plain.evidence
+    assert where_it_acts.spread < 0.85 * plain.spread
 
 
 def sums_of(monkeypatch, scored):

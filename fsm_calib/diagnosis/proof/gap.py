@@ -9,18 +9,24 @@ spread itself is known from n blocks alone, LOGISTIC is known (degrees of freedo
 seconds convince less than many; beyond half a minute F is the normal curve. Under right models the
 spread is about 2 sqrt(gap) and the probability that of the odds exp(gap / 2) (LOGISTIC: the normal curve nearest to
 the logistic one of these odds); under wrong ones the drives' seconds disagree, and the spread says by how much.
+What has a place or a time adds its evidence in few seconds by nature. Its spread is that about the line
+
+    d_j = a + b e_j,    e_j = sum (nu + 1) / 2 log(1 + x^2 / (nu - 2))        x [1] the whitened change that it makes
+
+e_j what second j adds where the change is all there was to see: evidence that comes as the effect acts is no patch.
 Source: Vuong, Econometrica 57 (1989) 307; Kishino & Hasegawa, J. Mol. Evol. 29 (1989) 170 (RELL).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import stdtr
 
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.likelihood.robust import log_density
+from fsm_calib.diagnosis.replay.prepared import Prepared
 from fsm_calib.types import FloatArray
 
 TOLD_APART = 0.95  # probability with which a name must beat a rival that is not to stand beside it in a set
@@ -56,16 +62,42 @@ def gap_between(engine: Engine, first: Fit, second: Fit) -> Gap:
     return Gap(evidence, _spread(differences), len(differences))
 
 
+def gap_where_it_acts(engine: Engine, whole: Fit, less: Fit) -> Gap:
+    """Return the gap to the fit without an effect of a place or a time, with its spread about where that acts."""
+    gap = gap_between(engine, whole, less)
+    added, acts = block_sums(engine, whole) - block_sums(engine, less), _changes(engine, whole, less)
+    if min(np.ptp(added), np.ptp(acts)) <= 0.0:
+        return gap
+    together = max(float(np.corrcoef(added, acts)[0, 1]), 0.0)
+    return replace(gap, spread=gap.spread * float(np.sqrt(max(1.0 - together**2, 0.0))))
+
+
+def _changes(engine: Engine, whole: Fit, less: Fit) -> FloatArray:
+    """Return what the change between two fits would add in every second of all recordings in a row."""
+    changes = []
+    for whitener, one, other in zip(
+        engine.whiteners(whole.noise), whole.simulated, less.simulated, strict=True
+    ):
+        squares = (whitener.residual(one) - whitener.residual(other)) ** 2
+        adds = 0.5 * (engine.nu + 1.0) * np.log1p(squares / (engine.nu - 2.0))
+        changes.append(_of_each_block(whitener.prepared, adds))
+    return np.concatenate(changes)
+
+
 def block_sums(engine: Engine, fit: Fit) -> FloatArray:
     """Return the log-likelihood of a fit in every second of all recordings in a row."""
     sums = []
     for whitener, simulated in zip(engine.whiteners(fit.noise), fit.simulated, strict=True):
-        p = whitener.prepared
         density = log_density(whitener.residual(simulated), whitener.log_scale, engine.nu)
-        block = np.floor((p.time - p.time[0]) / BLOCK).astype(int)
-        of_each = np.broadcast_to(block[:, None], p.scored.shape)[p.scored]
-        sums.append(np.bincount(of_each, density, minlength=int(block[-1]) + 1))
+        sums.append(_of_each_block(whitener.prepared, density))
     return np.concatenate(sums)
+
+
+def _of_each_block(p: Prepared, values: FloatArray) -> FloatArray:
+    """Return the sums of what the innovations of a recording have (n,), by second."""
+    block = np.floor((p.time - p.time[0]) / BLOCK).astype(int)
+    of_each = np.broadcast_to(block[:, None], p.scored.shape)[p.scored]
+    return np.asarray(np.bincount(of_each, values, minlength=int(block[-1]) + 1), dtype=float)
 
 
 def _spread(differences: FloatArray) -> float:

@@ -21,7 +21,7 @@ from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.fitting.values import taken_over
 from fsm_calib.diagnosis.proof.form_test import Remainder, contest
-from fsm_calib.diagnosis.proof.gap import gap_between
+from fsm_calib.diagnosis.proof.gap import gap_between, gap_where_it_acts
 from fsm_calib.diagnosis.proof.jolts import against_patch
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
 from fsm_calib.diagnosis.verdict.in_its_place import among_the_others, on_its_own_ground
@@ -43,7 +43,10 @@ def supports_of(engine: Engine, selection: Selection, least: float) -> tuple[Sup
     """
     remainder = Remainder.of(engine, selection.fit)
     ended = [_to_its_end(engine, selection.fit, less) for less in selection.dropped]
-    gaps = [gap_between(engine, selection.fit, less) for less in ended]
+    gaps = [
+        (gap_where_it_acts if registry()[effect.name].scan else gap_between)(engine, selection.fit, less)
+        for effect, less in zip(selection.effects, ended, strict=True)
+    ]
     adds = [max(gap.evidence, 0.0) for gap in gaps]
     special = [not registry()[effect.name].universal for effect in selection.effects]
     found: list[Support] = []
