@@ -107,7 +107,10 @@ def of_one_closure(declared, closure):
     return {**{p.name: p.typical for p in named}, **sizes} if sizes else {}
 
 
-FLAT = {("motor_deadband", "ignored when small"), ("motor_gain_curve", "table")}
+FLAT = {
+    *(("motor_deadband", f"{whose}ignored when small") for whose in ("", "left ", "right ", "each ")),
+    ("motor_gain_curve", "table"),
+}
 """Closures whose likelihood is flat in some way where a drive has few commands and none above 0.6;
 `test_effects_threshold` and `test_effects_gain_table` find their sizes."""
 CLOSURES = [

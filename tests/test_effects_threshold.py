@@ -32,3 +32,18 @@ def test_it_is_named_by_its_size():
     assert decision.model.effects[0].hypothesis.closure == "ignored when small"
     found = fitted_number(decision.model.fit, "motor_deadband.threshold")
     assert found == pytest.approx(0.12, abs=EDGE)
+
+
+def test_each_motors_driver_may_have_a_threshold_of_its_own():
+    robot = parameters({"motor_deadband.threshold_left": 0.15, "motor_deadband.threshold_right": 0.05})
+    assert [offset(robot, PLACE, 0.1, side) for side in (0, 1)] == [0.0, 0.1]
+
+
+def test_thresholds_of_each_motor_are_found():
+    rivals = ("motor_deadband", "motor_gain_curve", "coulomb_friction", "command_saturation", "caster_drag")
+    sizes = {"motor_deadband__threshold_left": 0.16, "motor_deadband__threshold_right": 0.11}
+    decision = judged(rivals, **sizes)
+    assert [belief.name for belief in decision.named] == ["motor_deadband"]
+    assert decision.model.effects[0].hypothesis.closure == "each ignored when small"
+    for name, size in sizes.items():
+        assert fitted_number(decision.model.fit, name) == pytest.approx(size, abs=1.5 * EDGE)

@@ -18,6 +18,7 @@ from fsm_calib.diagnosis.candidates.starts import Prober, Start
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Closure, Effect
+from fsm_calib.world2d.effects.parameter import Parameter
 from fsm_calib.world2d.parameters import parameter_table
 
 
@@ -39,8 +40,15 @@ def _further(
     further = [effect.parameter(name) for name in closure.frees if name not in smaller.names]
     size = _size(effect, smaller, values)
     begun = [p for p in further if p.strength or p.starts]  # others stay where they are
-    for choice in product(*([p.null + size] if p.strength else p.starts for p in begun)):
+    for choice in product(*(_starts(p, p.null + size) for p in begun)):
         yield {f"{effect.name}.{p.name}": value for p, value in zip(begun, choice, strict=True)}
+
+
+def _starts(p: Parameter, size: float) -> tuple[float, ...]:
+    """Return where a number begins: a strength as large as others are, if its fits stay near where they start (rugged)
+    at its declared starts, too.
+    """
+    return ((size, *p.starts) if p.rugged else (size,)) if p.strength else p.starts
 
 
 def _size(effect: Effect, smaller: Hypothesis, values: FloatArray) -> float:

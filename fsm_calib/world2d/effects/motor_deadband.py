@@ -5,7 +5,8 @@ r"""The motor does not answer small commands, or the driver over-compensates for
     u_effective = u g((|u| - threshold) / 0.01)   ignored below a threshold, g from 0 to 1 over (-1/2, 1/2)
 
 u [1] command, d [1] offset of both wheels, or of the left and the right each (d_l, d_r come on top), threshold [1] that
-of a driver, joystick or base controller that ignores what is smaller and takes the rest whole.
+of a driver, joystick or base controller that ignores what is smaller and takes the rest whole, or of each motor's own
+driver (threshold_left, threshold_right come on top).
 Duckietown's driver adds PWM 60 of 255 (0.235) to every command above 0.01 to cancel the motor's own dead zone;
 what is left over has either sign. Sources: dagu_wheels_driver.py (dt-duckiebot-interface); Tao & Kokotovic,
 Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996, chapter 2.
@@ -30,8 +31,9 @@ EDGE = 0.01
 def offset(P, o, u, side):
     """Return the command without the offset."""
     size, lost = abs(u), P[o] + P[o + 1 + side]
-    if P[o + 3] > 0.0:
-        u *= min(max((size - P[o + 3]) / EDGE + 0.5, 0.0), 1.0)
+    threshold = P[o + 3] + P[o + 4 + side]
+    if threshold > 0.0:
+        u *= min(max((size - threshold) / EDGE + 0.5, 0.0), 1.0)
         size = abs(u)
     if lost < 0.0 and size <= RELEASE:
         return 0.0
@@ -80,6 +82,21 @@ EFFECT = Effect(
             starts=(0.03, 0.06, 0.1, 0.15, 0.25),
             step=4e-3,
         ),
+        *of_each_wheel(
+            Parameter(
+                "threshold",
+                "u_0",
+                "1",
+                0.0,
+                0.0,
+                0.6,
+                0.0,
+                "speed controllers of radio control have a neutral zone each: 0.03 to 0.1",
+                starts=(0.05, 0.1, 0.15, 0.2),
+                step=4e-3,
+                rugged=True,
+            )
+        ),
     ),
     hooks={"shape": offset},
     channels=("forward", "turn"),
@@ -115,6 +132,23 @@ EFFECT = Effect(
             ("threshold",),
             "small commands alone are lost, larger ones act whole",
             sentence="Commands below {threshold} do nothing, larger ones act whole.",
+        ),
+        *(
+            Closure(
+                f"{side} ignored when small",
+                (f"threshold_{side}",),
+                f"small commands of the {side} motor alone are lost",
+                sentence=f"Commands of the {side} motor below {{threshold_{side}}} do nothing, larger ones act whole.",
+            )
+            for side in ("left", "right")
+        ),
+        Closure(
+            "each ignored when small",
+            ("threshold_left", "threshold_right"),
+            "small commands of each motor are lost, below a threshold of its own",
+            sentence="Commands below {threshold_left} (left), {threshold_right} (right) do nothing, larger ones act "
+            "whole.",
+            extends=("left ignored when small", "right ignored when small"),
         ),
     ),
     order=30,
