@@ -12,6 +12,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.place_search import placed
+from fsm_calib.diagnosis.candidates.plausible import is_plausible
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.rivals import Banks
@@ -150,7 +151,7 @@ class Judge:
         model = self._weighed(selection)
         with self.part("refinements"):
             model = simplified(self.engine, refined(self.engine, model, gates.detect))
-        named = model.named(gates.least_confidence)
+        named = sayable(model, gates.least_confidence, self.engine.simulators)
         if not named:
             return self._decision("unexplained", _complaint(model), model, (), *found)
         named = worth_saying(self.engine, selector.base, model, named)
@@ -213,6 +214,19 @@ class Judge:
         return Decision(
             outcome, reason, self.engine, asked, base, model, named, ranking, location, bank, self.seconds
         )
+
+
+def sayable(model: Model, least: float, simulators: Sequence[Simulator]) -> tuple[Belief, ...]:
+    """Return the beliefs in names that are at least so probable and in the whole model still what they say.
+
+    An effect was plausible as it joined; what joined it may have moved its numbers to where they are none: a supply
+    that ended at full command, and at 1.2 of it beside a dead zone, which is how robots are built.
+    """
+    return tuple(
+        belief
+        for belief in model.named(least)
+        if is_plausible(replace(belief.effect, fit=model.fit), simulators)
+    )
 
 
 def _witness(decision: Decision) -> str | None:
