@@ -68,8 +68,8 @@ def test_a_push_in_every_recording_is_named_with_the_moment_of_each(pushed_twice
 
 def test_its_sentence_tells_each_recordings_push(pushed_twice):
     text = pushed_twice.verdict.effects[0].sentence
-    assert "Recording 1: At 15" in text
-    assert "Recording 2: At 22" in text
+    assert text.startswith("In every drive something pushed the robot by (")
+    assert "at 15.2 ± 0.06 s in recording 1, at 22.6 ± 0.0" in text
 
 
 def test_a_kick_that_no_regime_shows_is_found_beside_what_every_regime_shows():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fsm_calib.diagnosis.candidates.ranked import Ranked
@@ -128,13 +129,21 @@ def _sentences(ranked: Ranked, numbers: dict[str, Estimate], fit: Fit) -> str:
     """Return the sentence of an effect; of an event that several recordings have, one for each."""
     effect, closure, runs = registry()[ranked.name], ranked.hypothesis.closure, fit.runs_of(ranked.name)
     if ranked.hypothesis.run == ALL_RUNS or len(runs) == 1:
-        return sentence(effect, numbers, closure)
+        told = sentence(effect, numbers, closure)
+        alike = bool(closure and effect.closure(closure).alike)
+        return f"{told} It began {_moments(numbers, runs)}." if alike else told
     said = []
     for run in runs:
         tail = _tail(ranked, run)
         own = {p.name: numbers[p.name + tail] for p in effect.parameters if p.name + tail in numbers}
         said.append(f"Recording {run + 1}: {sentence(effect, own, closure)}")
     return " ".join(said)
+
+
+def _moments(numbers: dict[str, Estimate], runs: Sequence[int]) -> str:
+    """Return in words when an event began that came in every recording."""
+    begins = {run + 1: _Number(numbers[f"start_{run + 1}"]) for run in runs}
+    return ", ".join(f"at {begin:} in recording {number}" for number, begin in begins.items())
 
 
 def _named(belief: Belief, decision: Decision, shares: dict[str, float]) -> NamedEffect:

@@ -88,8 +88,8 @@ def alike(what: str, lasts: bool) -> Closure:
         f"{kind}alike, along the {what}",
         names,
         f"the same {'force that lasts' if lasts else 'push'} in every drive, along the {what}",
-        sentence=f"In every drive, first at {{start}}, the same push {of_each}by ({{impulse_x}}, {{impulse_y}}) "
-        f"along the {what}.",
+        sentence=f"In every drive something pushed the robot {of_each}by ({{impulse_x}}, {{impulse_y}}) along the "
+        f"{what}.",
         fixes={"along": ALONG_WHAT[what]},
         alike=tuple(name for name in names if name != "start"),
     )

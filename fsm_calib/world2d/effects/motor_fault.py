@@ -104,7 +104,7 @@ def alike(closure: Closure) -> Closure:
         f"{closure.name} alike",
         closure.frees,
         f"{closure.summary}, the same in every drive",
-        sentence=f"In every drive, first from {{start}} for {{duration}}, {said}.",
+        sentence=f"In every drive, for a while, {said}.",
         alike=losses,
     )
 
