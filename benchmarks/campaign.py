@@ -41,7 +41,7 @@ LONGEST_ANSWER = 20.0  # s
 LARGEST_MEMORY = 1 << 20  # KiB, by which the process's largest resident size may grow
 LONGEST_LINE = 1200  # characters of a sentence
 SHRINKING = 4.0  # s for the repro of one finding
-SAMPLE_TURNS = 15  # of each kind: the same inputs on every machine, less than a minute
+SAMPLE_TURNS = 10  # of each kind: the same inputs on every machine, less than a minute
 MEMORY = Path("/dev/shm")  # files that are on no disk, on Linux
 
 
