@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.proof.gap import LOGISTIC, TOLD_APART, Gap
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, EXACT, Adequacy
 from fsm_calib.diagnosis.shapes.score_tests import ALPHA, LeftOver
@@ -346,7 +348,9 @@ def test_forms_without_a_name_that_are_surely_there_are_unexplained(
     assert ("speed and turn (evidence 15)" in decision.reason) is (outcome == "unexplained")
 
 
-def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabilities: float) -> Decision:
+def searched(
+    monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabilities: float, implausible: str = ""
+) -> Decision:
     """What is answered where the strongest effect has this evidence and the names of the model these probabilities."""
     ranking = [] if evidence is None else [SimpleNamespace(evidence=evidence)]
     selector = SimpleNamespace(
@@ -355,9 +359,8 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
         best_grown=lambda ranking: "grown",
         spared=lambda selection: selection,
     )
-    beliefs = tuple(
-        Belief(SimpleNamespace(name=f"effect{i}"), p, (f"effect{i}",)) for i, p in enumerate(probabilities)
-    )  # type: ignore[arg-type]
+    effects = [Ranked(Hypothesis(f"effect{i}", ()), None, 0.0, 0.0) for i in range(len(probabilities))]  # type: ignore[arg-type]
+    beliefs = tuple(Belief(e, p, (e.name,)) for e, p in zip(effects, probabilities, strict=True))
     supports = tuple(support() for _ in beliefs)
     model = plain_model(effects=tuple(range(len(beliefs))), supports=supports, beliefs=beliefs)
     monkeypatch.setattr(decide, "fit_whole_base", lambda engine, effects, banks: SimpleNamespace(values=()))
@@ -372,6 +375,7 @@ def searched(monkeypatch: pytest.MonkeyPatch, evidence: float | None, *probabili
     monkeypatch.setattr(Judge, "_weighed", lambda self, selection: model)
     monkeypatch.setattr(decide, "refined", lambda engine, model, least: model)
     monkeypatch.setattr(decide, "simplified", lambda engine, model: model)
+    monkeypatch.setattr(decide, "is_plausible", lambda ranked, simulators: ranked.name != implausible)
     monkeypatch.setattr(decide, "placed", lambda engine, fit, effects, rng: "placed")
     monkeypatch.setattr(decide, "dated", lambda engine, fit, effects: (fit, "dated"))
     return judge()._answer()
@@ -404,6 +408,14 @@ def test_a_sure_weaker_name_explains_a_part_and_the_stronger_is_complained_of(
     assert decision.reason.startswith("effect1 for a part of it; nearest: effect0")
 
 
+def test_a_sure_strongest_name_that_is_no_longer_what_it_says_is_complained_of(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    decision = searched(monkeypatch, DEFAULT_GATES.first, 0.9, 0.8, implausible="effect0")
+    assert [belief.name for belief in decision.named] == ["effect1"]
+    assert decision.reason.startswith("effect1 for a part of it; nearest: effect0")
+
+
 def test_each_long_part_of_an_answer_is_told_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
     weigh, told = Judge._weighed, []
     searched(monkeypatch, None)
@@ -422,6 +434,7 @@ def test_each_long_part_of_an_answer_is_told_before_it_begins(monkeypatch: pytes
     monkeypatch.setattr(decide, "left_over", lambda engine, fit, groups: ())
     monkeypatch.setattr(decide, "supports_of", lambda engine, selection, confidence: (weighed,))
     monkeypatch.setattr(decide, "adequacy", lambda tests, evidence: None)
+    monkeypatch.setattr(decide, "sayable", lambda model, least, simulators: model.named(least))
     replace(judge(), progress=told.append)._answer()
     assert told == ["base robot", "what is left", "how sure", "place and moment"]
 

@@ -155,7 +155,7 @@ class Judge:
         if not named:
             return self._decision("unexplained", _complaint(model), model, (), *found)
         named = worth_saying(self.engine, selector.base, model, named)
-        if _is_strongest_sure(model, gates):
+        if model.beliefs[0].name in {belief.name for belief in named}:
             reason = "detected, adequate and useful"
         else:
             reason = f"{', '.join(b.name for b in named)} for a part of it; {_complaint(model)}"
@@ -235,10 +235,6 @@ def _witness(decision: Decision) -> str | None:
     if len(names) == len(decision.model.effects) == 1:
         return names[0]
     return next((name for name in names if registry()[name].acts_on == "pose"), None)
-
-
-def _is_strongest_sure(model: Model, gates: Gates) -> bool:
-    return model.beliefs[0].probability >= gates.least_confidence
 
 
 def _complaint(model: Model) -> str:
