@@ -9,11 +9,15 @@ from diagnosis_robots import judged, recording
 
 from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.diagnosis.candidates.distinct import apart
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.scan_areas import Area, settled
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, adequacy
+from fsm_calib.diagnosis.verdict.explain import _sentences
 from fsm_calib.diagnosis.verdict.model import Model
 from fsm_calib.diagnosis.verdict.systematic_error import model_spread, with_doubt
+from fsm_calib.diagnosis.verdict.verdict import Estimate
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -70,6 +74,19 @@ def test_its_sentence_tells_each_recordings_push(pushed_twice):
     text = pushed_twice.verdict.effects[0].sentence
     assert text.startswith("In every drive something pushed the robot by (")
     assert "at 15.2 ± 0.06 s in recording 1, at 22.6 ± 0.0" in text
+
+
+def test_pushes_of_their_own_are_told_recording_by_recording():
+    push = registry()["external_push"].closure("push")
+    ranked = Ranked(Hypothesis("external_push", push.frees, 0, closure="push"), None, 0.0, 0.0)
+    numbers = {
+        f"{name}{tail}": Estimate(value, 0.1, registry()["external_push"].parameter(name).unit)
+        for tail, begin in (("", 15.2), ("_2", 22.6))
+        for name, value in (("start", begin), ("impulse_x", 1.0), ("impulse_y", 0.0))
+    }
+    text = _sentences(ranked, numbers, SimpleNamespace(runs_of=lambda name: (0, 1)))
+    assert "Recording 1: At 15.2" in text
+    assert "Recording 2: At 22.6" in text
 
 
 def test_a_kick_that_no_regime_shows_is_found_beside_what_every_regime_shows():
