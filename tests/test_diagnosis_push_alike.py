@@ -5,14 +5,16 @@ import pytest
 from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.each_its_own import each_its_own
-from fsm_calib.diagnosis.candidates.push_alike import ALONG_ROBOT, _agreeing, _Told, _turns
+from fsm_calib.diagnosis.candidates.push_alike import _agreeing, _Told
 from fsm_calib.diagnosis.candidates.push_search import PushSearch
 from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.scan_pushes import turns
 from fsm_calib.diagnosis.candidates.scanned import scanned
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.replay.simulator import scale_of
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.effects.external_push import ALONG_WHAT
 from fsm_calib.world2d.parameters import parameter_table, parameters
 from fsm_calib.world2d.rollout import Drive, simulate
 
@@ -52,9 +54,7 @@ def test_moments_of_three_drives_are_joined_one_after_the_other():
 
 
 def test_what_is_ahead_turns_with_the_heading():
-    np.testing.assert_allclose(
-        _turns(np.array([np.pi / 2]))[0] @ [1.0, 0.0, 2.0], [0.0, 1.0, 2.0], atol=1e-12
-    )
+    np.testing.assert_allclose(turns(np.array([np.pi / 2]))[0] @ [1.0, 0.0, 2.0], [0.0, 1.0, 2.0], atol=1e-12)
 
 
 def pushed(**second):
@@ -125,7 +125,7 @@ def test_a_push_along_the_robot_is_the_same_push_along_the_room_turned_by_its_he
     grid, rest = np.arange(0.0, 6.0, 0.01), Drive(np.array([0.0]), np.array([0.0]), np.array([0.0]))
     free = {"gain_left": 0.6, "gain_right": 0.6, "external_push.start": 1.0}
     heading = 0.5 * np.pi
-    ahead = {**free, "external_push.impulse_x": 0.3, "external_push.along": ALONG_ROBOT}
+    ahead = {**free, "external_push.impulse_x": 0.3, "external_push.along": ALONG_WHAT["robot"]}
     north = {**free, "external_push.impulse_y": 0.3}
     paths = [simulate(parameters(p), rest, grid, (0.0, 0.0, heading))[:, :3] for p in (ahead, north)]
     np.testing.assert_allclose(paths[0], paths[1], atol=1e-12)

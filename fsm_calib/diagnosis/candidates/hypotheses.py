@@ -92,11 +92,8 @@ def has_phase(effect: Effect) -> bool:
 
 
 def hypotheses_of(effect: Effect, runs: int) -> Iterator[Hypothesis]:
-    """Yield every closure of an effect that competes for its name; an event once for each recording.
-
-    One that comes alike in all of them is left to the scan that finds its moments.
-    """
-    for closure in (closure for closure in effect.competing if not closure.alike):
+    """Yield every closure of an effect that competes for its name; an event once for each recording."""
+    for closure in effect.competing:
         for run in range(runs) if is_event(effect) else (ALL_RUNS,):
             yield Hypothesis(effect.name, closure.frees, run, closure=closure.name)
 
@@ -165,10 +162,9 @@ def asked_for(effect: Effect, given: set[str]) -> list[Closure]:
     """Return the closures of an event of one recording whose times a scan gives (a begin, or a length, too)."""
     if effect.scan != "time":
         return list(effect.competing)
-    times = {p.name for p in effect.parameters if p.fitted and not p.strength}
-    of_one = [closure for closure in effect.competing if not closure.alike]
-    differ = [len((set(closure.frees) ^ given) & times) for closure in of_one]
-    return [c for c, number in zip(of_one, differ, strict=True) if number == min(differ)]
+    times = {p.name for p in effect.parameters if not p.strength}
+    differ = [len((set(closure.frees) ^ given) & times) for closure in effect.competing]
+    return [c for c, number in zip(effect.competing, differ, strict=True) if number == min(differ)]
 
 
 def alike_in(effect: Effect, closure: str) -> set[str]:

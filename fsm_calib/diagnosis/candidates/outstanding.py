@@ -11,8 +11,6 @@ import math
 from collections.abc import Sequence
 
 CLEARLY = 0.6  # of what the next moment wins
-
-
 MOMENTS = 9  # the next best ones, by which it is told how fast they fall off
 LEAST_FALL = 1.0  # log-likelihood units: the tail of half a chi-squared, where equations are exact
 

@@ -15,7 +15,7 @@ between the drives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -26,14 +26,17 @@ from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.impulse import ROUNDS
 from fsm_calib.diagnosis.candidates.outstanding import MOMENTS, by_chance
 from fsm_calib.diagnosis.candidates.pushed import LEANT, Moment
-from fsm_calib.diagnosis.candidates.scan_pushes import KICK, STEP, Pushes, are_apart
+from fsm_calib.diagnosis.candidates.scan_pushes import KICK, STEP, Pushes, apart_from, turns
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.replay.situation import Situation
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects.external_push import ALONG_WHAT
 
-ALONG_ROBOT = 1.0  # value of the push's `along`; 0: along the room
+Known = Mapping[int, Sequence[tuple[float, float]]]
+"""Moments that are taken, by recording: begin and length [s]."""
+
 JOINED = 40  # moments of each recording, of which the best one each are joined
 NO_POWER = 1e-9  # added to a moment's that wins nothing
 SIMULATED = 2  # of what promises most along the room, and along the robot
@@ -54,38 +57,37 @@ class Agreed:
     agreed: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Alike:
-    """A push that came alike in every recording: its moments, what all of them share, and what it wins.
+    """A push that came alike in every recording, as simulations find it about moments that agree.
 
-    about : the moments of speed errors where it was found; they may win more, where the first guess is a little off.
+    candidate : with its start values and the log-likelihood that a fit from there may win; starts (R,), length [s] : of
+    each; won : together as it stands; agreed : R times what the one wins that wins least, or that of speed errors.
     """
+
+    candidate: Candidate
+    starts: tuple[float, ...]
+    length: float
+    won: float
+    agreed: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Push:
+    """One impulse (3,) at a moment of each recording, and what it wins together."""
 
     moments: tuple[Moment, ...]
     impulse: FloatArray
     won: float
-    about: Agreed
 
-    @property
-    def promise(self) -> float:
-        """The log-likelihood that a fit from here may win."""
-        return max(self.won, self.about.won)
-
-    @property
-    def agreed(self) -> float:
-        """R times what the moment wins that wins least."""
-        return max(len(self.moments) * min(_won_by(m, self.impulse) for m in self.moments), self.about.agreed)
-
-    @property
-    def length(self) -> float:
-        """How long each lasts [s]."""
-        return self.moments[0].length
-
-    def candidate(self, chance: float) -> Candidate:
-        """Return it as a candidate that stands out so far by some chance."""
-        name = self.moments[0].effect.name
+    def found(self, about: Agreed) -> Alike:
+        """Return it as found about some moments, whose speed errors may win more where the guess is a little off."""
+        name, shared = self.moments[0].effect.name, self.moments[0].shared(self.impulse)
         each = tuple({f"{name}.start": moment.start} for moment in self.moments)
-        return Candidate(self.moments[0].shared(self.impulse), self.promise, ALL_RUNS, chance, each)
+        candidate = Candidate(shared, max(self.won, about.won), ALL_RUNS, each=each)
+        least = len(self.moments) * min(_won_by(moment, self.impulse) for moment in self.moments)
+        starts = tuple(moment.start for moment in self.moments)
+        return Alike(candidate, starts, self.moments[0].length, self.won, max(least, about.agreed))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +111,7 @@ class AlikeSearch:
         best = self._agreed[:1]
         if len(self.situations) < 2 or not best or GROWTH * best[0].won < self.worth:
             return []
-        tried = [agreed for along in (0.0, ALONG_ROBOT) for agreed in self._leaders(along)]
+        tried = [agreed for along in ALONG_WHAT.values() for agreed in self._leaders(along)]
         found = [one for some in side_by_side(self.engine, self._simulated, tried) for one in some]
         kicks = [one for one in found if one.length <= KICK]
         lasting = [one for one in found if one.length > KICK]
@@ -118,12 +120,12 @@ class AlikeSearch:
         kept = [kick] if kick is not None else []
         if held is not None and (kick is None or held.won > kick.won + 0.5 * self.price):
             kept.append(held)
-        return [one.candidate(self._chance(one)) for one in kept]
+        return [replace(one.candidate, chance=self._chance(one)) for one in kept]
 
     @cached_property
     def _agreed(self) -> list[Agreed]:
         """What agrees between the recordings, best first."""
-        return sorted(self._joined(()), key=lambda one: -one.agreed)
+        return sorted(self._joined({}), key=lambda one: -one.agreed)
 
     def _leaders(self, along: float) -> list[Agreed]:
         """Return what agrees best along the room or the robot."""
@@ -132,23 +134,21 @@ class AlikeSearch:
         starts = np.array([one.starts for one in some]).reshape(len(some), -1)
         return [some[i] for i in apart(agreed, starts, SIMULATED, SAME)]
 
-    def _joined(self, known: Sequence[_Known]) -> Iterator[Agreed]:
+    def _joined(self, known: Known) -> Iterator[Agreed]:
         """Yield the best that each moment of the first recording agrees with, none of it one of the `known`."""
-        for along in (0.0, ALONG_ROBOT):
-            for each in self.seen:
-                yield from _agreeing([self._told(one, along, known) for one in each], along, each[0].length)
+        for each in self.seen:
+            length, robot = each[0].length, [self._told(one, known.get(one.run, ())) for one in each]
+            room = [told.turned(turns(self._heading(run, told.starts))) for run, told in enumerate(robot)]
+            yield from _agreeing(room, ALONG_WHAT["room"], length)
+            yield from _agreeing(robot, ALONG_WHAT["robot"], length)
 
-    def _told(self, seen: Pushes, along: float, known: Sequence[_Known]) -> _Told:
-        """Return what is told at the best moments of a recording, apart from what is known."""
-        free = np.ones(len(seen.starts), dtype=bool)
-        for moment in (moment for moment in known if moment.run == seen.run):
-            free &= are_apart(seen.starts, seen.length, moment.start, moment.length)
-        best = apart(seen.won[free], seen.starts[free][:, None], JOINED, 1.5 * STEP)
-        starts, numbers, power = (part[free][best] for part in (seen.starts, seen.numbers, seen.power))
-        power *= _as_densities(seen.won[free][best], numbers, power)[:, None, None]
-        turns = _turns(self._heading(seen.run, starts)) if along != ALONG_ROBOT else np.eye(3)[None]
-        power = turns @ power @ np.swapaxes(turns, 1, 2)
-        return _Told(starts, power, np.einsum("mij,mj->mi", power @ turns, numbers))
+    def _told(self, seen: Pushes, known: Sequence[tuple[float, float]]) -> _Told:
+        """Return what is told at the best moments of a recording, apart from what is known by begin and length."""
+        free = apart_from(seen.starts, seen.length, known)
+        best = np.flatnonzero(free)[apart(seen.won[free], seen.starts[free][:, None], JOINED, 1.5 * STEP)]
+        numbers, power = seen.numbers[best], seen.power[best]
+        power = power * _as_densities(seen.won[best], numbers, power)[:, None, None]
+        return _Told(seen.starts[best], power, np.einsum("mij,mj->mi", power, numbers))
 
     def _heading(self, run: int, moments: FloatArray) -> FloatArray:
         """Return the headings (m,) [rad] of a recording at some moments [s]."""
@@ -160,16 +160,16 @@ class AlikeSearch:
             replace(self.moment(run, start, agreed.length), along=agreed.along)
             for run, start in enumerate(agreed.starts)
         ]
-        kicks = [self._pushed(agreed, about)] if agreed.length <= KICK else []
+        kicks = [self._pushed(about)] if agreed.length <= KICK else []
         held = [
-            self._pushed(agreed, [_of_length(moment, length, ends) for moment in about], rounds=1)
+            self._pushed([_of_length(moment, length, ends) for moment in about], rounds=1)
             for length in LEANT
             for ends in (False, True)
         ]
         best = [*kicks, max(held, key=lambda one: one.won)]
-        return [self._settled(one) for one in best]
+        return [self._settled(one).found(agreed) for one in best]
 
-    def _pushed(self, about: Agreed, moments: Sequence[Moment], rounds: int = ROUNDS) -> Alike:
+    def _pushed(self, moments: Sequence[Moment], rounds: int = ROUNDS) -> _Push:
         """Return the push, the same at all moments, that wins most after some rounds."""
 
         def changed(impulses: list[FloatArray]) -> FloatArray:
@@ -177,35 +177,30 @@ class AlikeSearch:
 
         white = np.concatenate([moment.white for moment in moments])
         impulse, won = replace(moments[0].search(), changed=changed, white=white).most_won(rounds)
-        return Alike(tuple(moments), impulse, won, about)
+        return _Push(tuple(moments), impulse, won)
 
-    def _settled(self, found: Alike) -> Alike:
+    def _settled(self, found: _Push) -> _Push:
         """Return a push with each of its moments where its recording is likeliest, fitted again."""
         moments = []
         for moment in found.moments:
             tried = [moment, *moment.shifted()]
             moments.append(max(tried, key=lambda one: _won_by(one, found.impulse)))
-        return max(found, self._pushed(found.about, moments), key=lambda one: one.won)
+        return max(found, self._pushed(moments), key=lambda one: one.won)
 
     def _chance(self, found: Alike) -> float:
         """Return with which probability moments that nobody pushed at agree so much better than the next ones."""
-        known, others = [_Known(m.run, m.start, m.length) for m in found.moments], list[float]()
+        known, others = (
+            {run: [(start, found.length)] for run, start in enumerate(found.starts)},
+            list[float](),
+        )
         while len(others) <= MOMENTS:
             best = max(self._joined(known), key=lambda one: one.agreed, default=None)
             if best is None or best.agreed <= 0.0:
                 break
             others.append(best.agreed)
-            known += [_Known(run, start, best.length) for run, start in enumerate(best.starts)]
+            for run, start in enumerate(best.starts):
+                known[run].append((start, best.length))
         return by_chance([found.agreed, *sorted(others, reverse=True)])
-
-
-@dataclass(frozen=True, slots=True)
-class _Known:
-    """A moment of a recording that is taken: begin and length [s]."""
-
-    run: int
-    start: float
-    length: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,6 +210,11 @@ class _Told:
     starts: FloatArray
     power: FloatArray
     score: FloatArray
+
+    def turned(self, by: FloatArray) -> _Told:
+        """Return it with the directions turned by rotations (m, 3, 3)."""
+        power = by @ self.power @ np.swapaxes(by, 1, 2)
+        return _Told(self.starts, power, np.einsum("mij,mj->mi", by, self.score))
 
 
 def _agreeing(each: Sequence[_Told], along: float, length: float) -> Iterator[Agreed]:
@@ -258,15 +258,6 @@ def _as_densities(won: FloatArray, numbers: FloatArray, power: FloatArray) -> Fl
     """Return what part of powers (m, 3, 3) is won (m,): an outlier weighs less than its square says."""
     squares = 0.5 * np.einsum("mi,mij,mj->m", numbers, power, numbers)
     return np.asarray(np.clip(won / np.maximum(squares, 1e-12), 0.0, 1.0))
-
-
-def _turns(heading: FloatArray) -> FloatArray:
-    """Return the rotations (m, 3, 3) by headings (m,) [rad] of what is ahead, to the left and about the vertical."""
-    turns = np.tile(np.eye(3), (len(heading), 1, 1))
-    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(heading)
-    turns[:, 1, 0] = np.sin(heading)
-    turns[:, 0, 1] = -turns[:, 1, 0]
-    return turns
 
 
 def _of_length(moment: Moment, length: float, ends: bool) -> Moment:

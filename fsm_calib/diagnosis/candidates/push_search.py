@@ -24,7 +24,7 @@ from fsm_calib.diagnosis.candidates.pushed import (
     standing,
     together,
 )
-from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, Pushes, are_apart, pushes
+from fsm_calib.diagnosis.candidates.scan_pushes import HELD, KICK, Pushes, apart_from, pushes
 from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.replay.situation import Situation
@@ -112,13 +112,10 @@ class PushSearch:
         most = max((float(one.won.max(initial=0.0)) for lengths in seen for one in lengths), default=0.0)
         if GROWTH * most < self._worth:
             return
-        for run, lengths in enumerate(zip(*seen, strict=True)):
-            won = np.concatenate([one.won for one in lengths])
-            starts = np.concatenate([one.starts for one in lengths])
-            length = np.concatenate([np.full(len(one.starts), one.length) for one in lengths])
-            middle = (starts + 0.5 * length)[:, None]
-            for i in apart(won, middle, SIMULATED, SAME):
-                yield self._moment(run, float(starts[i]), float(length[i]), float(won[i]))
+        for run, tried in enumerate(_moments_of(seen, ())):
+            for i in apart(tried.won, tried.middle, SIMULATED, SAME):
+                told = tried.starts[i], tried.lengths[i], tried.won[i]
+                yield self._moment(run, *map(float, told))
 
     def _standing(self, found: Sequence[Pushed]) -> Mapping[int, list[Pushed]]:
         """Return of each recording the pushes that stand out together, at least its best one of those found."""
@@ -154,31 +151,30 @@ class _Moments:
     lengths: FloatArray
     won: FloatArray
 
+    @property
+    def middle(self) -> FloatArray:
+        """The middles (m, 1) [s]."""
+        return (self.starts + 0.5 * self.lengths)[:, None]
+
 
 def _moments_of(seen: Iterable[Sequence[Pushes]], simulated: Sequence[Pushed]) -> list[_Moments]:
     """Return what was tried in each recording: speed errors of some lengths, and pushes that were simulated."""
-    return [
-        _Moments(
-            np.concatenate([*(one.starts for one in each), [p.start for p in simulated if p.run == run]]),
-            np.concatenate(
-                [
-                    *(np.full(len(one.starts), one.length) for one in each),
-                    [p.length for p in simulated if p.run == run],
-                ]
-            ),
-            np.concatenate([*(one.won for one in each), [p.won for p in simulated if p.run == run]]),
-        )
-        for run, each in enumerate(zip(*seen, strict=True))
-    ]
+    found = []
+    for run, each in enumerate(zip(*seen, strict=True)):
+        own = [push for push in simulated if push.run == run]
+        starts = [*(one.starts for one in each), [push.start for push in own]]
+        lengths = [*(np.full(len(one.starts), one.length) for one in each), [push.length for push in own]]
+        won = [*(one.won for one in each), [push.won for push in own]]
+        found.append(_Moments(*map(np.concatenate, (starts, lengths, won))))
+    return found
 
 
 def _others(every: Sequence[_Moments], known: Mapping[int, Sequence[Pushed]]) -> list[float]:
     """Return what moments apart in time win that are none of the `known` of their recording, most first."""
     found: list[float] = []
     for run, moments in enumerate(every):
-        free = np.ones(len(moments.won), dtype=bool)
-        for push in known.get(run, ()):
-            free &= are_apart(moments.starts, moments.lengths, push.start, push.length)
-        won, middle = moments.won[free], (moments.starts + 0.5 * moments.lengths)[free]
-        found += won[apart(won, middle[:, None], MOMENTS + 1, OTHERS_APART)].tolist()
+        told = ((push.start, push.length) for push in known.get(run, ()))
+        free = apart_from(moments.starts, moments.lengths, told)
+        won = moments.won[free]
+        found += won[apart(won, moments.middle[free], MOMENTS + 1, OTHERS_APART)].tolist()
     return sorted(found, reverse=True)

@@ -16,7 +16,7 @@ import numpy as np
 from fsm_calib.diagnosis.candidates.candidate import GROWTH
 from fsm_calib.diagnosis.candidates.impulse import ROUNDS, Impulse
 from fsm_calib.diagnosis.candidates.outstanding import standing_out
-from fsm_calib.diagnosis.candidates.scan_pushes import KICK, SEEN, are_apart
+from fsm_calib.diagnosis.candidates.scan_pushes import KICK, SEEN, are_apart, turns
 from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.passage import Passages
 from fsm_calib.diagnosis.replay.situation import Situation
@@ -185,9 +185,8 @@ class Moment:
 
     def turned(self, impulse: FloatArray) -> FloatArray:
         """Return an impulse (3,) ahead, to the left and about the vertical in the world's directions."""
-        heading = float(np.interp(self.start, self.situation.time, self.situation.heading))
-        c, s = np.cos(heading), np.sin(heading)
-        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ impulse
+        heading = np.interp([self.start], self.situation.time, self.situation.heading)
+        return np.asarray(turns(heading)[0] @ impulse)
 
 
 def _most(pushes: Iterable[Pushed]) -> Pushed:

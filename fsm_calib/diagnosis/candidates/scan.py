@@ -234,8 +234,9 @@ class Scanner:
         trial, found = Trial(effect, self.parent, self.residual), []
         for strength in trial.strengths():
             tried = [tried_moments(trial, run, strength) for run in range(len(self.simulators))]
+            best = [_apart(promise, starts, MOMENTS + 1) for starts, promise in tried]
             for run, (starts, promise) in enumerate(tried):
-                others = [_apart(p, s, MOMENTS + 1) for i, (s, p) in enumerate(tried) if i != run]
+                others = [*best[:run], *best[run + 1 :]]
                 for b in apart(promise, starts[:, None], KEEP, 2 * STEP):
                     free = np.abs(starts - starts[b]) > MOMENTS_APART
                     rest = np.sort(

@@ -9,7 +9,7 @@ beside it: it does not move for one second of a drive. How hard it was pushed is
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +49,25 @@ class Pushes:
 def are_apart(starts: FloatArray, length: FloatArray | float, start: float, lasted: float) -> np.ndarray:
     """Return which pushes of `length` [s] end well before, or begin well after, one that `lasted` [s] from `start`."""
     return np.asarray((starts + length < start - APART) | (starts > start + lasted + APART))
+
+
+def apart_from(
+    starts: FloatArray, length: FloatArray | float, known: Iterable[tuple[float, float]]
+) -> np.ndarray:
+    """Return which pushes of `length` [s] are apart from all that are known by begin and length [s]."""
+    free = np.ones(len(starts), dtype=bool)
+    for start, lasted in known:
+        free &= are_apart(starts, length, start, lasted)
+    return free
+
+
+def turns(heading: FloatArray) -> FloatArray:
+    """Return the rotations (m, 3, 3) by headings (m,) [rad] of what is ahead, to the left and about the vertical."""
+    rotations = np.tile(np.eye(3), (len(heading), 1, 1))
+    rotations[:, 0, 0] = rotations[:, 1, 1] = np.cos(heading)
+    rotations[:, 1, 0] = np.sin(heading)
+    rotations[:, 0, 1] = -rotations[:, 1, 0]
+    return rotations
 
 
 def innovations_of(residual: Residual, run: int) -> tuple[FloatArray, int]:

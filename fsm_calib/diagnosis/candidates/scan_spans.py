@@ -93,7 +93,8 @@ def _best(residual: Residual, run: int, cells: Cells, sizes: tuple[float, float]
     amplitude = spans.score / np.maximum(spans.power, NO_POWER)
     counts = (np.abs(amplitude) > sizes[0]) & (np.abs(amplitude) < sizes[1])
     promise = np.where(counts, 0.5 * amplitude**2 * spans.power, 0.0)
-    return spans.span(int(np.argmax(promise)), -float(amplitude[np.argmax(promise)]), float(promise.max()))
+    best = int(np.argmax(promise))
+    return spans.span(best, -float(amplitude[best]), float(promise[best]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +113,8 @@ class _Spans:
     def best_with(self, loss: float) -> Span:
         """Return the span that promises most where the motor loses so much [1]."""
         promise = -loss * self.score - 0.5 * loss * loss * self.power
-        return self.span(int(np.argmax(promise)), loss, float(promise.max()))
+        best = int(np.argmax(promise))
+        return self.span(best, loss, float(promise[best]))
 
 
 def _spans(residual: Residual, run: int, cells: Cells, edges: FloatArray) -> _Spans:

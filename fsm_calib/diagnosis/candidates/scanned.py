@@ -53,7 +53,7 @@ def scanned(prober: Prober, scanner: Scanner, effect: Effect) -> Plans:
 def _alike(prober: Prober, effect: Effect, candidate: Candidate) -> tuple[Hypothesis, list[Start]]:
     """Return the form of an event that comes alike in every recording, with its start: its scan has found the size."""
     told = {*candidate.changes, *candidate.each[0]}
-    closure = next(c for c in effect.competing if c.alike and _is_told(effect, c, told, candidate.changes))
+    closure = next(c for c in effect.alike if _is_told(effect, c, told, candidate.changes))
     form = Hypothesis(effect.name, closure.frees, ALL_RUNS, candidate.chance, closure.name)
     values = with_values(prober.parent.values, candidate.changes)
     for run, own in enumerate(candidate.each):

@@ -19,7 +19,7 @@ Source: Vuong, Econometrica 57 (1989) 307; Kishino & Hasegawa, J. Mol. Evol. 29 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import stdtr
@@ -56,20 +56,23 @@ class Gap:
 
 def gap_between(engine: Engine, first: Fit, second: Fit) -> Gap:
     """Return the evidence of one fit over another, both of the same recordings."""
-    cost = (len(first.slots) - len(second.slots)) * float(np.log(engine.count))
-    evidence = 2.0 * (first.score - second.score) - cost
     differences = block_sums(engine, first) - block_sums(engine, second)
-    return Gap(evidence, _spread(differences), len(differences))
+    return Gap(_evidence(engine, first, second), _spread(differences), len(differences))
 
 
 def gap_where_it_acts(engine: Engine, whole: Fit, less: Fit) -> Gap:
     """Return the gap to the fit without an effect of a place or a time, with its spread about where that acts."""
-    gap = gap_between(engine, whole, less)
     added, acts = block_sums(engine, whole) - block_sums(engine, less), _changes(engine, whole, less)
-    if min(np.ptp(added), np.ptp(acts)) <= 0.0:
-        return gap
-    together = max(float(np.corrcoef(added, acts)[0, 1]), 0.0)
-    return replace(gap, spread=gap.spread * float(np.sqrt(max(1.0 - together**2, 0.0))))
+    vary = min(np.ptp(added), np.ptp(acts)) > 0.0
+    together = max(float(np.corrcoef(added, acts)[0, 1]), 0.0) if vary else 0.0
+    spread = _spread(added) * float(np.sqrt(max(1.0 - together**2, 0.0)))
+    return Gap(_evidence(engine, whole, less), spread, len(added))
+
+
+def _evidence(engine: Engine, first: Fit, second: Fit) -> float:
+    """Return the evidence of one fit over another, by their scores and how many numbers they free."""
+    cost = (len(first.slots) - len(second.slots)) * float(np.log(engine.count))
+    return 2.0 * (first.score - second.score) - cost
 
 
 def _changes(engine: Engine, whole: Fit, less: Fit) -> FloatArray:

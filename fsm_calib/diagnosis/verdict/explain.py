@@ -131,7 +131,7 @@ def _sentences(ranked: Ranked, numbers: dict[str, Estimate], fit: Fit) -> str:
     if ranked.hypothesis.run == ALL_RUNS or len(runs) == 1:
         told = sentence(effect, numbers, closure)
         alike = bool(closure and effect.closure(closure).alike)
-        return f"{told} It began {_moments(numbers, runs)}." if alike else told
+        return f"{told} It began {_moments(ranked, numbers, runs)}." if alike else told
     said = []
     for run in runs:
         tail = _tail(ranked, run)
@@ -140,10 +140,10 @@ def _sentences(ranked: Ranked, numbers: dict[str, Estimate], fit: Fit) -> str:
     return " ".join(said)
 
 
-def _moments(numbers: dict[str, Estimate], runs: Sequence[int]) -> str:
+def _moments(ranked: Ranked, numbers: dict[str, Estimate], runs: Sequence[int]) -> str:
     """Return in words when an event began that came in every recording."""
-    begins = {run + 1: _Number(numbers[f"start_{run + 1}"]) for run in runs}
-    return ", ".join(f"at {begin:} in recording {number}" for number, begin in begins.items())
+    begins = [_Number(numbers[f"start{_tail(ranked, run)}"]) for run in runs]
+    return ", ".join(f"at {begin} in recording {run + 1}" for run, begin in zip(runs, begins, strict=True))
 
 
 def _named(belief: Belief, decision: Decision, shares: dict[str, float]) -> NamedEffect:

@@ -24,7 +24,8 @@ from fsm_calib.world2d.parameters import parameter_table
 def simplified(engine: Engine, model: Model) -> Model:
     """Return a model whose effects have the closures that free least."""
     for effect in model.effects:
-        for closure in sorted(registry()[effect.name].competing, key=lambda c: len(c.frees)):
+        declared = registry()[effect.name]
+        for closure in sorted((*declared.competing, *declared.alike), key=lambda c: len(c.frees)):
             found = _by(engine, model, effect, closure)
             if found is not None:
                 model = model.taking(found)

@@ -74,7 +74,7 @@ class Support:
 
     @property
     def by_chance(self) -> float:
-        """How many effects of the catalogue would stand out so far at some moment where nothing happened, 0 to 28.
+        """How many effects of the catalogue would stand out so far at some moment where nothing happened.
 
         Each name that a robot may have is a priori as likely as a moment that is none, so that this is the odds
         against an event.

@@ -147,8 +147,16 @@ class Effect:
 
     @property
     def competing(self) -> tuple[Closure, ...]:
-        """The closures that compete for a name from the start: all but those that refine it or extend others."""
-        return tuple(closure for closure in self.closures if not closure.refines and not closure.extends)
+        """The closures that compete for a name from the start.
+
+        All but those that refine it, extend others, or come alike in every recording, which are left to a scan.
+        """
+        return tuple(c for c in self.closures if not c.refines and not c.extends and not c.alike)
+
+    @property
+    def alike(self) -> tuple[Closure, ...]:
+        """The closures of an event that comes alike in every recording."""
+        return tuple(closure for closure in self.closures if closure.alike)
 
     @property
     def extending(self) -> tuple[Closure, ...]:

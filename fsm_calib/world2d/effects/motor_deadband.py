@@ -15,6 +15,7 @@ Adaptive Control of Systems with Actuator and Sensor Nonlinearities, 1996, chapt
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from numba import njit
 
@@ -39,6 +40,20 @@ def offset(P, o, u, side):
         return 0.0
     return math.copysign(max(size - lost, 0.0), u)
 
+
+THRESHOLD = Parameter(
+    "threshold",
+    "u_0",
+    "1",
+    0.0,
+    0.0,
+    0.6,
+    0.0,
+    "dead zones of joysticks and base controllers: 0.02 to 0.15",
+    starts=(0.03, 0.06, 0.1, 0.15, 0.25),
+    step=4e-3,
+)
+"""Of a driver that ignores smaller commands, the same for both motors."""
 
 EFFECT = Effect(
     name="motor_deadband",
@@ -70,30 +85,12 @@ EFFECT = Effect(
                 starts=(0.04, -0.04),
             )
         ),
-        Parameter(
-            "threshold",
-            "u_0",
-            "1",
-            0.0,
-            0.0,
-            0.6,
-            0.0,
-            "dead zones of joysticks and base controllers: 0.02 to 0.15",
-            starts=(0.03, 0.06, 0.1, 0.15, 0.25),
-            step=4e-3,
-        ),
+        THRESHOLD,
         *of_each_wheel(
-            Parameter(
-                "threshold",
-                "u_0",
-                "1",
-                0.0,
-                0.0,
-                0.6,
-                0.0,
-                "speed controllers of radio control have a neutral zone each: 0.03 to 0.1",
+            replace(
+                THRESHOLD,
+                source="speed controllers of radio control have a neutral zone each: 0.03 to 0.1",
                 starts=(0.05, 0.1, 0.15, 0.2),
-                step=4e-3,
                 rugged=True,
             )
         ),
