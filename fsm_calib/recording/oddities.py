@@ -163,7 +163,10 @@ def _clipped(command: CommandTrack | None) -> list[Finding]:
     if not far.any():
         return []
     first = float(command.time[far][0])
-    sentence = f"{int(far.sum())} commands lie beyond -1 to 1 (first at {first:.3f} s)"
+    sentence = (
+        f"{int(far.sum())} commands lie beyond -1 to 1 (first at {first:.3f} s); a diagnosis drives its simulation "
+        "by full command there"
+    )
     return [Finding("command", "unit_slip", sentence, "kept", int(far.sum()), first)]
 
 

@@ -236,15 +236,17 @@ def full_speed(recording: Recording) -> float:
 
 def drive_of(recording: Recording, full: float) -> tuple[Drive, bool]:
     """Return the wheel commands in units of command 1, and whether they are measured wheel speeds instead; these
-    begin when what they stand for does (`wheel_stamps`).
+    begin when what they stand for does (`wheel_stamps`). Shares of full command end at full command, as in every
+    driver: a logger notes what was asked for, and what was asked beyond it is no finding.
     """
     robot = recording.robot
     half = 0.5 * (robot.axle_length or NOMINAL_AXLE)
     radius = robot.wheel_radius or NOMINAL_RADIUS
     if recording.command is not None:
         track = recording.command
-        unit = 1.0 if track.unit == "normalized" else radius / full
-        return Drive(track.time, track.left * unit, track.right * unit), False
+        if track.unit == "normalized":
+            return Drive(track.time, np.clip(track.left, -1.0, 1.0), np.clip(track.right, -1.0, 1.0)), False
+        return Drive(track.time, track.left * radius / full, track.right * radius / full), False
     if recording.twist is not None:
         twist = recording.twist
         turn = half * twist.omega
