@@ -52,6 +52,7 @@ THRESHOLD = Parameter(
     "dead zones of joysticks and base controllers: 0.02 to 0.15",
     starts=(0.03, 0.06, 0.1, 0.15, 0.25),
     step=4e-3,
+    edge=EDGE,
 )
 """Of a driver that ignores smaller commands, the same for both motors."""
 

@@ -62,6 +62,9 @@ class Parameter:
     rugged : bool
         Whether a fit stays on the hill where this number starts, so that one that has ended is tried from the other
         starts, too.
+    edge : float
+        Width about the value, in `unit` of a command, over which the equation goes over from one law to another so that
+        a fit can feel it; nature's edge has none, and no level of the commands may lie within.
     in_series : bool
         Whether it is a time constant in series with the motors' own. Lags in series commute, so that a fit that takes
         one for the other stands on a hill of its own.
@@ -91,6 +94,7 @@ class Parameter:
     prior: float = 0.0
     in_series: bool = False
     rugged: bool = False
+    edge: float = 0.0
 
     @property
     def difference_step(self) -> float:

@@ -1,0 +1,64 @@
+"""Commands as they reach the motors: an edge that is there for the fit's sake, and shares beyond full command."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis_robots import engine_of, recording
+
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.plausible import passes_whole
+from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.replay.simulator import drive_of, full_speed
+from fsm_calib.recording.channels import CommandTrack
+from fsm_calib.world2d.parameters import parameter_table
+from fsm_calib.world2d.rollout import Drive
+
+
+@pytest.fixture(scope="module")
+def robot():
+    engine = engine_of(recording(0, 20.0))
+    return engine, fit_base(engine)
+
+
+def passes(robot, number, value, left, right):
+    """Return whether a threshold passes whole what a robot is driven by, each pair of commands for a second."""
+    engine, base = robot
+    values = base.values.copy()
+    values[:, parameter_table().place(f"motor_deadband.{number}")] = value
+    form = Ranked(Hypothesis("motor_deadband", (number,)), replace(base, values=values), 100.0, 60.0)
+    drive = Drive(np.arange(float(len(left))), np.asarray(left), np.asarray(right))
+    return passes_whole(form, [replace(engine.simulators[0], drive=drive)])
+
+
+LEVELS = [0.17, -0.255, 0.34, 0.0]
+
+
+@pytest.mark.parametrize(("threshold", "whole"), [(0.2, True), (0.2547, False), (0.2591, False), (0.3, True)])
+def test_a_threshold_that_lets_part_of_a_level_through_is_none(robot, threshold, whole):
+    assert passes(robot, "threshold", threshold, LEVELS, LEVELS) is whole
+
+
+def test_commands_of_every_size_may_cross_an_edge(robot):
+    ramp = np.linspace(-0.5, 0.5, 101)
+    assert passes(robot, "threshold", 0.2547, ramp, ramp)
+
+
+def test_an_edge_of_one_wheel_asks_that_wheel_alone(robot):
+    other = [0.17, 0.17, 0.34, 0.0]
+    assert not passes(robot, "threshold_left", 0.2547, LEVELS, other)
+    assert passes(robot, "threshold_right", 0.2547, LEVELS, other)
+
+
+def test_a_number_without_an_edge_passes_whole(robot):
+    assert passes(robot, "offset", 0.255, LEVELS, LEVELS)
+
+
+def test_what_is_asked_beyond_full_command_is_driven_by_full_command():
+    drive = recording(0, 20.0)
+    track = CommandTrack(np.arange(4.0), np.array([0.0, 1.2, -1.1, 0.4]), np.array([0.3, 1.0, 0.2, -1.3]))
+    driven, measured = drive_of(replace(drive, command=track), full_speed(drive))
+    assert driven.left.tolist() == [0.0, 1.0, -1.0, 0.4]
+    assert driven.right.tolist() == [0.3, 1.0, 0.2, -1.0]
+    assert not measured
