@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.proof.jolts import _jolts, against_patch, density
+from fsm_calib.diagnosis.proof.jolts import _motion, against_patch, density
 from fsm_calib.diagnosis.proof.pose_jump import AFTER, BEFORE
 from fsm_calib.world2d.effects.numbered import numbered
 from fsm_calib.world2d.parameters import parameter_table
@@ -40,8 +40,8 @@ def happened(values, strengths, name, *moments):
 
 def moment(engine, values, order):
     """Return the start [s] in the second recording, the wilder one, with the so-many-th smallest jolt."""
-    times, sizes = _jolts(engine, values, 1)
-    return float(times[np.argsort(sizes)[order]])
+    motion = _motion(engine, values, 1)
+    return float(motion.times[np.argsort(motion.jolts)[order]])
 
 
 def test_a_push_in_the_hardest_moment_of_the_drives_loses_its_name(drives):
@@ -92,13 +92,35 @@ def test_what_has_no_moment_is_not_asked(drives):
 def test_a_robot_that_stands_is_not_jolted_and_one_that_is_told_to_reverse_is(drives):
     """Nothing but its commands moves the base robot: its jolts come within a moment of their changes."""
     engine, values = drives
-    times, sizes = _jolts(engine, values, 1)
+    motion = _motion(engine, values, 1)
+    times, sizes = motion.times, motion.jolts
     drive = engine.simulators[1].drive
     begin = drive.time[np.flatnonzero(np.hypot(drive.left, drive.right))[0]]
     changes = np.hypot(np.diff(drive.left), np.diff(drive.right))
     hardest = drive.time[1 + np.flatnonzero(changes > 0.7 * changes.max())]
     assert sizes[times < begin - AFTER] == pytest.approx(0.0, abs=1e-9)
     assert np.abs(hardest - moment(engine, values, -1)).min() < AFTER + BEFORE
+
+
+def test_pushes_where_wheels_begin_to_turn_lose_their_name_and_those_far_from_it_keep_it(drives):
+    engine, values = drives
+    motions = [_motion(engine, values, run) for run in range(2)]
+    near, far = (
+        pushed(values, *((run, float(m.times[np.argsort(m.apart)[place]])) for run, m in enumerate(motions)))
+        for place in (0, -1)
+    )
+    assert against_patch(engine, near, ["external_push"]) > 4.0
+    assert against_patch(engine, far, ["external_push"]) == 0.0
+
+
+def test_wheels_begin_to_turn_where_commands_leave_zero_or_change_their_sign(drives):
+    engine, values = drives
+    motion, drive = _motion(engine, values, 1), engine.simulators[1].drive
+    signs = np.sign(np.column_stack([drive.left, drive.right]))
+    begun = drive.time[np.any((np.diff(signs, axis=0, prepend=0.0) != 0.0) & (signs != 0.0), axis=1)]
+    least = motion.times[motion.apart <= 0.05]
+    assert least.size
+    assert np.all(np.min(np.abs(least[:, None] - begun), axis=1) < 0.4)
 
 
 def test_the_density_of_patches_is_one():
