@@ -28,7 +28,7 @@ robot:
   wheel_ratio: 1.06
   name: duckie
   start: {x: -0.9, y: 0.0, theta: 0.5}
-  effects: {motor_deadband: {offset: 0.16}}
+  effects: {motor_deadband: {offset: 0.24}}
   link: {lockstep: true}
 investigate: {budget: 120, poses: camera, centre_x: -0.9, width: 1.7, depth: 1.4, command: 0.4, look_every: 0.2}
 """
@@ -70,7 +70,7 @@ def test_a_served_robot_finds_out_by_driving_what_its_motors_lose(investigated: 
         {"offset"},
         {"offset_left", "offset_right"},
     )  # one of both wheels, or each its own
-    assert all(s["value"] == pytest.approx(0.16, abs=max(0.01, 3.0 * s["sd"])) for s in sizes.values())
+    assert all(s["value"] == pytest.approx(0.24, abs=max(0.01, 3.0 * s["sd"])) for s in sizes.values())
 
 
 def test_the_answer_is_printed_with_every_drive(investigated: Any) -> None:
