@@ -24,6 +24,7 @@ from fsm_calib.diagnosis.shapes.score_tests import ALPHA
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.effects.numbered import times_in
+from fsm_calib.world2d.effects.parameter import Parameter
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive
 
@@ -83,15 +84,16 @@ def passes_whole(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     A robot that lost 0.2 of every command was driven at 0.17, 0.255 and 0.34. A threshold of 0.2547 lets half of 0.255
     through by its edge of 0.01, and so fitted as well as what was true.
     """
-    table, effect = parameter_table(), registry()[ranked.name]
-    edged = [p for p in map(effect.parameter, ranked.hypothesis.names) if p.edge > 0.0]
+    edged = [p for p in map(registry()[ranked.name].parameter, ranked.hypothesis.names) if p.edge > 0.0]
+    return all(_passes(number, ranked, simulators) for number in edged)
+
+
+def _passes(number: Parameter, ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether a number's edge holds hardly any command of any recording."""
+    values = ranked.fit.values[:, parameter_table().place(f"{ranked.name}.{number.name}")]
     return all(
-        _share_within(
-            s.drive, number.name, float(values[table.place(f"{ranked.name}.{number.name}")]), number.edge
-        )
-        <= MOST_IN_EDGE
-        for s, values in zip(simulators, ranked.fit.values, strict=True)
-        for number in edged
+        _share_within(s.drive, number.name, float(value), number.edge) <= MOST_IN_EDGE
+        for s, value in zip(simulators, values, strict=True)
     )
 
 
