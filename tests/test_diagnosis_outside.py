@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, judged, recording
+from diagnosis_robots import decided, engine_of, judged, recording
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.scan import scan_of
@@ -38,7 +38,8 @@ def best_of(name, numbers):
 @pytest.mark.slow
 def test_a_sticky_spot_of_a_file_is_named_beside_the_rough_patch(with_sticky_spot):
     truth = {"pull": 1.6, "x": 0.1, "y": 0.05, "radius": 0.18}
-    decision = judged(PLACES, **{f"sticky_spot__{name}": value for name, value in truth.items()})
+    hidden = {f"sticky_spot__{name}": value for name, value in truth.items()}
+    decision = decided([recording(seed, 28.0, **hidden) for seed in (0, 1)], PLACES)
     assert decision.outcome == "explained"
     assert [effect.name for effect in decision.model.effects] == ["sticky_spot"]
     second = next(ranked for ranked in decision.ranking if ranked.name != "sticky_spot")
