@@ -35,7 +35,9 @@ def passes(robot, number, value, left, right):
 LEVELS = [0.17, -0.255, 0.34, 0.0]
 
 
-@pytest.mark.parametrize(("threshold", "whole"), [(0.2, True), (0.2547, False), (0.2591, False), (0.3, True)])
+@pytest.mark.parametrize(
+    ("threshold", "whole"), [(0.2, True), (0.2547, False), (0.2580, False), (0.2598, True), (0.3, True)]
+)
 def test_a_threshold_that_lets_part_of_a_level_through_is_none(robot, threshold, whole):
     assert passes(robot, "threshold", threshold, LEVELS, LEVELS) is whole
 

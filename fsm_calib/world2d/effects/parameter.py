@@ -64,7 +64,7 @@ class Parameter:
         starts, too.
     edge : float
         Width about the value, in `unit` of a command, over which the equation goes over from one law to another so that
-        a fit can feel it; nature's edge has none, and no level of the commands may lie within.
+        a fit can feel it; nature's edge has none, and hardly any command may pass by a part.
     in_series : bool
         Whether it is a time constant in series with the motors' own. Lags in series commute, so that a fit that takes
         one for the other stands on a hill of its own.
