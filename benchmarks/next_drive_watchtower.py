@@ -1,6 +1,6 @@
 """Would the planned drive tell the watchtower robot's three explanations apart?
 
-    python3 benchmarks/next_drive_watchtower.py RECORDINGS/duckiebot-watchtower [--draws 40] [--alone] [--jobs 2]
+    python3 benchmarks/next_drive_watchtower.py RECORDINGS/duckiebot-watchtower [--draws 40] [--first 0] [--alone] [--jobs 2]
 
 Its laps are explained three times, by each of motor_deadband, tyre_scrub and caster_drag with whatever joins it and
 without the other two. The next drive is designed for the three as equals; then each is simulated as fitted to the
@@ -106,6 +106,7 @@ def main() -> None:
     )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--draws", type=int, default=40)
+    parser.add_argument("--first", type=int, default=0, help="number of the first draw, to share draws out")
     parser.add_argument("--alone", action="store_true", help="diagnose the drive without the laps")
     parser.add_argument("--jobs", type=int, default=1, help="processes that fit side by side")
     asked = parser.parse_args()
@@ -125,7 +126,7 @@ def main() -> None:
     asked_for = {*RIVALS, *(name for truth in truths.values() for name in truth.names)}
     others = [name for name in registry() if name not in asked_for]
     right = dict.fromkeys(RIVALS, 0)
-    for draw in range(asked.draws):
+    for count, draw in enumerate(range(asked.first, asked.first + asked.draws), 1):
         for name in RIVALS:
             rng = np.random.default_rng([RIVALS.index(name), draw])
             values = truths[name].values
@@ -139,7 +140,7 @@ def main() -> None:
                 evidence = [(r.name, round(r.evidence)) for r in decision.ranking]
                 print(f"  {name} not told apart: {sorted(said)}, {evidence}")
         told = ", ".join(f"{name} {n}" for name, n in right.items())
-        print(f"told apart in {sum(right.values())} of {(draw + 1) * len(RIVALS)} draws: {told}", flush=True)
+        print(f"told apart in {sum(right.values())} of {count * len(RIVALS)} draws: {told}", flush=True)
 
 
 if __name__ == "__main__":
