@@ -45,7 +45,7 @@ def test_a_trail_length_or_four_after_a_spin_it_follows():
 
 @pytest.mark.slow
 def test_it_is_named_with_its_drag_arm_and_trail():
-    decision = judged(("caster_drag", "tyre_scrub"), **BUILT)
+    decision = judged(("caster_drag", "tyre_scrub", "coulomb_friction", "motor_asymmetric_lag"), **BUILT)
     assert [b.name for b in decision.named] == ["caster_drag"]
     assert decision.model.effects[0].hypothesis.closure == "along its fork"
     found = [fitted_number(decision.model.fit, f"caster_drag.{n}") for n in ("drag", "arm", "trail")]

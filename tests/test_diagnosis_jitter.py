@@ -14,7 +14,6 @@ from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.likelihood.robust import Whitener
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.verdict.punctual import likelier_if_punctual, ranked_if_punctual
-from fsm_calib.world2d.effects import registry
 
 
 def based(**changes):
@@ -83,9 +82,7 @@ def test_the_filter_whitens_what_a_lateness_does():
 
 @pytest.mark.slow
 def test_a_clean_robot_with_late_commands_is_a_match_and_told():
-    rivals = {"command_delay", "observation_delay", "clock_drift", "motor_asymmetric_lag", "external_push"}
-    without = set(registry()) - rivals
-    found = diagnose([recording(seed, jitter=0.025) for seed in (2, 3)], without=without)
+    found = diagnose([recording(seed, jitter=0.025) for seed in (2, 3)])
     assert found.verdict.verdict == "match"
     assert any("early or late by" in note for note in found.notes)
 

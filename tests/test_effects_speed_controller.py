@@ -91,7 +91,7 @@ def test_how_it_rests_is_found_beside_dry_friction(drops):
         "speed_controller__drops": drops,
         "coulomb_friction__friction": 0.01,
     }
-    selector, _, ranking = ranked_if_bared(*ranked_on(robot, "coulomb_friction", "motor_asymmetric_lag"))
+    selector, _, ranking = ranked_if_bared(*ranked_on(robot, *RIVALS))
     assert ranking[0].name == "coulomb_friction"
     assert np.all(selector.base.values[:, parameter_table().place(DROPS)] == drops)
 

@@ -16,7 +16,14 @@ from fsm_calib.errors import InputError
 from fsm_calib.workers import each
 from fsm_calib.world2d.effects import registry
 
-ASKED = {"motor_deadband", "sensor_offset", "tyre_scrub", "external_push"}
+ASKED = {
+    "motor_deadband",
+    "sensor_offset",
+    "tyre_scrub",
+    "external_push",
+    "low_friction_patch",
+    "caster_drag",
+}
 HERE = os.getpid()
 LONGEST = 20.0  # s that a process may take to see that its parent is gone
 
