@@ -59,6 +59,17 @@ def speeds(times, levels, grid, **changes):
     return simulate(robot(**changes), straights, grid, (0.0, 0.0, 0.0))[:, 3]
 
 
+def twist_in_an_arc(command, **changes):
+    """Return speed ahead, speed to the left [m/s] and yaw rate [rad/s] at the end of a steady arc to the left."""
+    stamps = np.arange(0.0, 6.0, 0.02)
+    commands = Drive(np.array([0.0]), np.array([0.7 * command]), np.array([command]))
+    x, y, theta = predict(robot(**changes), commands, stamps, START).poses[-2:].T
+    middle, step = theta.mean(), stamps[1]
+    ahead, left = np.diff(x)[0] / step, np.diff(y)[0] / step
+    c, s = np.cos(middle), np.sin(middle)
+    return c * ahead + s * left, c * left - s * ahead, np.diff(theta)[0] / step
+
+
 def driven(holds, rng, noise, **changes):
     """Return a recording of a `robot` with `changes` that drives `holds`, its poses with `noise` (3,) [m, m, rad]."""
     planned, end = drive_of(holds)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import START, fitted_number, judged, robot
+from diagnosis_robots import START, fitted_number, judged, robot, twist_in_an_arc
 
 from fsm_calib.world2d.observation import predict
 from fsm_calib.world2d.rollout import Drive
@@ -12,20 +12,10 @@ CREEPING = {"lateral_slip__slip_angle": ANGLE}
 STAMPS = np.arange(0.0, 6.0, 0.02)
 
 
-def twist(command, **changes):
-    """Return speed ahead, speed to the left [m/s] and yaw rate [rad/s] at the end of a steady arc to the left."""
-    commands = Drive(np.array([0.0]), np.array([0.7 * command]), np.array([command]))
-    x, y, theta = predict(robot(**changes), commands, STAMPS, START).poses[-2:].T
-    middle, step = theta.mean(), STAMPS[1]
-    ahead, left = np.diff(x)[0] / step, np.diff(y)[0] / step
-    c, s = np.cos(middle), np.sin(middle)
-    return c * ahead + s * left, c * left - s * ahead, np.diff(theta)[0] / step
-
-
 @pytest.mark.parametrize("command", [0.3, 0.8])
 def test_the_angle_of_a_steady_arc_is_that_of_its_centripetal_acceleration(command):
-    v, l, omega = twist(command, **CREEPING)
-    _, rolling_on, _ = twist(command)
+    v, l, omega = twist_in_an_arc(command, **CREEPING)
+    _, rolling_on, _ = twist_in_an_arc(command)
     assert (l - rolling_on) / v == pytest.approx(-ANGLE * v * omega, rel=0.06)
 
 

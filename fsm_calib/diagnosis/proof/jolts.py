@@ -18,7 +18,7 @@ pushes of a robot whose commutator had burnt bars, 983 units, came 0.05 to 0.12 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,7 +47,9 @@ def against_patch(engine: Engine, fit: Fit, effects: Sequence[str]) -> float:
     motions = [
         _motion(engine, switched_off(fit.values, effects), run) for run in range(len(engine.simulators))
     ]
-    return max(_at_jolts(motions, moments), _where_wheels_begin(motions, moments), 0.0)
+    jolted = _log_densities(motions, moments, lambda motion: motion.jolts)
+    begun = _log_densities(motions, moments, lambda motion: -motion.apart)
+    return max(min(jolted), sum(begun), 0.0)  # of jolts one recording in which they are quiet is enough
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,33 +63,19 @@ class _Motion:
     apart: FloatArray
 
 
-def _at_jolts(motions: Sequence[_Motion], moments: Mapping[int, Sequence[float]]) -> float:
-    """Return the log odds of jolts: the least of the recordings, since one in which they are quiet is enough."""
-    everywhere = np.concatenate([motion.jolts for motion in motions])
-    return min(
-        sum(_log_density(everywhere >= size) for size in _at(motions[run].times, motions[run].jolts, starts))
-        for run, starts in moments.items()
-    )
-
-
-def _where_wheels_begin(motions: Sequence[_Motion], moments: Mapping[int, Sequence[float]]) -> float:
-    """Return the log odds of wheels that begin to turn, in all recordings together."""
-    everywhere = np.concatenate([motion.apart for motion in motions])
-    return sum(
-        _log_density(everywhere <= apart)
-        for run, starts in moments.items()
-        for apart in _at(motions[run].times, motions[run].apart, starts)
-    )
-
-
-def _at(times: FloatArray, column: FloatArray, starts: Sequence[float]) -> FloatArray:
-    """Return a column (m,) at some moments [s]."""
-    return column[np.minimum(np.searchsorted(times, starts), len(column) - 1)]
-
-
-def _log_density(as_much: FloatArray) -> float:
-    """Return the log density of patches; as_much : (m,) bool, where it is as bad as in the event's moment."""
-    return math.log(density(float(np.mean(as_much))))
+def _log_densities(
+    motions: Sequence[_Motion],
+    moments: Mapping[int, Sequence[float]],
+    badness: Callable[[_Motion], FloatArray],
+) -> list[float]:
+    """Return the log density of patches at the moments of each recording; badness : (m,) at the times of a motion."""
+    everywhere = np.concatenate([badness(motion) for motion in motions])
+    found = []
+    for run, starts in moments.items():
+        times, here = motions[run].times, badness(motions[run])
+        bad = here[np.minimum(np.searchsorted(times, starts), len(here) - 1)]
+        found.append(sum(math.log(density(float(np.mean(everywhere >= one)))) for one in bad))
+    return found
 
 
 def _moments(fit: Fit, effects: Sequence[str]) -> dict[int, list[float]]:
