@@ -371,6 +371,7 @@ def searched(
     monkeypatch.setattr(decide, "ranked_if_bared", lambda *given: given)
     monkeypatch.setattr(decide, "likelier_if_punctual", lambda *given: given)
     monkeypatch.setattr(decide, "likelier_if_gripping", lambda *given: given)
+    monkeypatch.setattr(decide, "likelier_in_two", lambda selector, given: given)
     monkeypatch.setattr(decide, "bare_model", lambda engine, base, location: BARE)
     monkeypatch.setattr(Judge, "_weighed", lambda self, selection: model)
     monkeypatch.setattr(decide, "refined", lambda engine, model, least: model)

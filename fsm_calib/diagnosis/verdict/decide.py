@@ -30,6 +30,7 @@ from fsm_calib.diagnosis.verdict.bared import ranked_if_bared
 from fsm_calib.diagnosis.verdict.cross_examined import supports_of
 from fsm_calib.diagnosis.verdict.event_times import dated
 from fsm_calib.diagnosis.verdict.gripping import likelier_if_gripping
+from fsm_calib.diagnosis.verdict.in_two import likelier_in_two
 from fsm_calib.diagnosis.verdict.model import Model, bare_model
 from fsm_calib.diagnosis.verdict.posterior import Belief, belief_of
 from fsm_calib.diagnosis.verdict.punctual import likelier_if_punctual, ranked_if_punctual
@@ -144,7 +145,7 @@ class Judge:
                 selector, selection = likelier_if_punctual(selector, selector.best_grown(ranking))
                 selector, selection = likelier_if_gripping(selector, selection)
             selection = likelier_if_recalled(selector, self.earlier, ranking, selection)
-            selection = selection and selector.spared(selection)
+            selection = selection and selector.spared(likelier_in_two(selector, selection))
         if selection is None:
             return self._without_name(selector.base, tuple(ranking), location, bank)
         found = (selector.base, tuple(ranking), location, bank)

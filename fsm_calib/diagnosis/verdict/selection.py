@@ -140,15 +140,19 @@ class Selector:
         return self.weighed(grown, self._wanted(grown))
 
     def _grown_on(self, selection: Selection) -> Selection:
-        """Return the selection with further effects as long as any is worth it."""
+        """Return the selection with further effects as long as any is worth it.
+
+        Once one has gone as another came, what is left has been tried, but for what the one that went hid: then only
+        what was seen beside it is asked, and moments.
+        """
         while len(selection.effects) < self.most:
             bank = self._bank_on(selection)
-            larger = self._with_one_more(selection, bank, self._worth_asking(selection, bank))
+            one_went = len(selection.effects) < len(selection.rankings)
+            further = (self._seen_before if one_went else self._worth_asking)(selection, bank)
+            larger = self._with_one_more(selection, bank, further)
             if larger is None:
                 break
             selection = larger
-            if len(selection.effects) < len(selection.rankings):  # one went as another came: what is left
-                return self._with_a_moment(selection)  # has been tried, but for what the one that went hid
         return self._come_again(selection) or selection
 
     def _come_again(self, selection: Selection) -> Selection | None:
@@ -157,14 +161,12 @@ class Selector:
         wanted = self._wanted(selection)
         return again and self._pruned(*again, selection.rankings, wanted, SURELY_NEEDED * wanted)
 
-    def _with_a_moment(self, selection: Selection) -> Selection:
-        """Return the selection with a moment that stands out, where there is one and room for it."""
-        if len(selection.effects) >= self.most:
-            return selection
+    def _seen_before(self, selection: Selection, bank: Bank) -> list[Effect]:
+        """Return the further effects that had evidence in the last round, or of which a moment stands out."""
         beside = self._beside(selection)
-        bank = self._bank_on(selection)
-        out = standing_out(bank, beside, self.needed)
-        return self._with_one_more(selection, bank, [e for e in beside if e.name in out]) or selection
+        seen = {r.name for r in selection.rankings[-1] if r.evidence > self.needed}
+        seen |= standing_out(bank, beside, self.needed)
+        return [e for e in beside if e.name in seen]
 
     def _bank_on(self, selection: Selection) -> Bank:
         """Return the bank that fits further effects on top of a selection."""

@@ -45,5 +45,9 @@ def _by_another_equation(fitting: Fitting, whole: Fit, fit: Fit, effect: Ranked)
 
 def _are_neighbours(name: str, other: str) -> bool:
     """Return whether one of two effects declares the other as a rival, and the first has several equations."""
-    one, two = registry()[name], registry()[other]
-    return name != other and has_closures(one) and (other in one.rivals or name in two.rivals)
+    return has_closures(registry()[name]) and declare_each_other(name, other)
+
+
+def declare_each_other(name: str, other: str) -> bool:
+    """Return whether one of two effects declares the other as a rival."""
+    return name != other and (other in registry()[name].rivals or name in registry()[other].rivals)

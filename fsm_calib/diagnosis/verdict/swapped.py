@@ -51,13 +51,13 @@ def _rivals(earlier: Ranked, place: int, rankings: Sequence[Sequence[Ranked]]) -
     asked in the place of what had won another round, and a nap that pulls kept its own. An effect that took another's
     place won no round; it has the rivals of the round that its place tells.
     """
-    won = _rounds_of(earlier.name, rankings)
+    won = rounds_won(earlier.name, rankings)
     found = won[-1] if won else rankings[min(place, len(rankings) - 1)]
     most = won[-1][0].evidence if won else earlier.evidence
     return [r for r in found if r.evidence > NEAR * most]
 
 
-def _rounds_of(winner: str, rankings: Sequence[Sequence[Ranked]]) -> list[Sequence[Ranked]]:
+def rounds_won(winner: str, rankings: Sequence[Sequence[Ranked]]) -> list[Sequence[Ranked]]:
     """Return what the rounds that an effect won had found."""
     return [found for found in rankings if found and found[0].name == winner]
 
@@ -80,7 +80,7 @@ def _with_another(
         tried = bank.best_of(registry()[rival.name])
         if rival is not earlier:
             tried = strongest(r for r in (tried, on_its_own_ground(bank, rival, fit, earlier.name)) if r)
-        if tried is not None and _is_better(fitting.engine, tried.fit, fit):
+        if tried is not None and is_better(fitting.engine, tried.fit, fit):
             effects = (*effects[:place], replace(tried, evidence=rival.evidence), *effects[place + 1 :])
             fit = tried.fit
     return effects, fit
@@ -88,7 +88,7 @@ def _with_another(
 
 def _nearly_won(name: str, winner: str, rankings: Sequence[Sequence[Ranked]]) -> bool:
     """Return whether an effect was near in a round that `winner` won."""
-    rounds = _rounds_of(winner, rankings)
+    rounds = rounds_won(winner, rankings)
     return any(r.name == name and r.evidence > NEAR * found[0].evidence for found in rounds for r in found)
 
 
@@ -108,14 +108,14 @@ def _moved_up(
     bare = fitting.without(fitting.without(fit, earlier.name), last.name)
     tried = bank_without(fitting.engine, fit, bare).best_of(registry()[last.name])
     kept = {e.name for e in effects if e is not earlier}
-    rounds = [r for found in _rounds_of(earlier.name, rankings) for r in found if r.name == last.name]
+    rounds = [r for found in rounds_won(earlier.name, rankings) for r in found if r.name == last.name]
     then = [r for r in rounds if _has(r.fit, kept) and _are_alike_late(r.fit, fit)]
     anew = [] if tried is None else [tried]
     tried = max([*then, *anew], key=lambda r: r.fit.score, default=None)
     if tried is None:
         return effects, fit
     alone = fitting.with_noise(tried.fit)
-    if not _is_better(fitting.engine, alone, fit):
+    if not is_better(fitting.engine, alone, fit):
         return effects, fit
     moved = replace(tried, fit=alone, evidence=earlier.evidence)
     return (*effects[:place], moved, *effects[place + 1 : -1]), alone
@@ -136,7 +136,7 @@ def bank_without(engine: Engine, fit: Fit, less: Fit) -> Bank:
     return Bank.on(engine, less, max(evidence_of(fit, less, engine.count), 0.0))
 
 
-def _is_better(engine: Engine, tried: Fit, fit: Fit) -> bool:
+def is_better(engine: Engine, tried: Fit, fit: Fit) -> bool:
     """Return whether a fit has more evidence than another, by more than optimisers differ."""
     return evidence_of(tried, fit, engine.count) > 2.0 * BETTER
 
