@@ -1,10 +1,15 @@
 """An effect that joined beside its rival takes that one's place where it does the whole job alone."""
 
+from types import SimpleNamespace
+
 import numpy as np
 from diagnosis_robots import engine_of, recording
 
+from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
+from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.verdict import swapped as swaps
 from fsm_calib.diagnosis.verdict.selection import Selector
 from fsm_calib.diagnosis.verdict.swapped import swapped
 from fsm_calib.world2d.effects import registry
@@ -43,3 +48,25 @@ def test_the_rivals_asked_are_those_of_the_round_that_an_effect_won():
     rankings = ((friction,), (nap, tilt), (joining,))
     effects, _ = swapped(selector, (nap, friction, joining), joining.fit, rankings)
     assert [e.name for e in effects] == ["floor_tilt", "coulomb_friction", "command_delay"]
+
+
+def test_each_rival_is_tried_in_the_model_as_it_was_given(monkeypatch):
+    """A second rival beside the first, which had just entered, won by what that one explains: a ghost."""
+    engine = SimpleNamespace(count=1000)
+    given, less, first, second = (SimpleNamespace(score=s, size=4) for s in (100.0, 0.0, 150.0, 120.0))
+    earlier, tilt, rough = (
+        Ranked(Hypothesis(name, ()), given, 50.0, 50.0)
+        for name in ("sensor_yaw", "floor_tilt", "sensor_offset")
+    )
+    fits = {"floor_tilt": first, "sensor_offset": second}
+    bank = SimpleNamespace(
+        best_of=lambda effect: Ranked(Hypothesis(effect.name, ()), fits[effect.name], 50.0, 50.0)
+    )
+    tried_in = []
+    monkeypatch.setattr(swaps, "bank_without", lambda *asked: bank)
+    monkeypatch.setattr(swaps, "on_its_own_ground", lambda bank, rival, whole, name: tried_in.append(whole))
+    fitting = SimpleNamespace(engine=engine, without=lambda fit, name: less)
+    effects, fit = swaps._with_another(fitting, (earlier,), given, 0, [tilt, rough])
+    assert [e.name for e in effects] == ["floor_tilt"]
+    assert fit is first
+    assert tried_in == [given, given]

@@ -69,8 +69,11 @@ def _with_another(
     place: int,
     near: Sequence[Ranked],
 ) -> tuple[tuple[Ranked, ...], Fit]:
-    """Return the effects with a rival in a place, or another closure there, where that is better."""
-    earlier, names = effects[place], {e.name for e in effects}
+    """Return the effects with a rival in a place, or another closure there, where that is better.
+
+    Each is tried in the model as it was given: in one that a rival has entered it would stand beside that rival.
+    """
+    given, earlier, names = fit, effects[place], {e.name for e in effects}
     rivals = [r for r in near if r.name not in names][:RIVALS]
     rivals += [earlier] if has_closures(registry()[earlier.name]) else []
     if not rivals:
@@ -79,7 +82,7 @@ def _with_another(
     for rival in rivals:
         tried = bank.best_of(registry()[rival.name])
         if rival is not earlier:
-            tried = strongest(r for r in (tried, on_its_own_ground(bank, rival, fit, earlier.name)) if r)
+            tried = strongest(r for r in (tried, on_its_own_ground(bank, rival, given, earlier.name)) if r)
         if tried is not None and is_better(fitting.engine, tried.fit, fit):
             effects = (*effects[:place], replace(tried, evidence=rival.evidence), *effects[place + 1 :])
             fit = tried.fit
