@@ -68,6 +68,14 @@ def test_a_name_that_nothing_speaks_against_is_nearly_sure():
     assert belief_of(support()).probability > 0.95
 
 
+def test_an_event_is_half_as_sure_where_a_law_that_always_holds_does_as_well():
+    """A motor that was weak as long as one command was held, on which a wheel stood, and on no other."""
+    span = Ranked(Hypothesis("motor_fault", ("loss_left", "start", "duration"), 0), None, 160.0, 80.0)
+    unlike, alike = (replace(support(instead=i, added=160.0), effect=span) for i in (-300.0, 0.0))
+    assert belief_of(alike).probability == pytest.approx(0.5 * belief_of(unlike).probability, abs=0.02)
+    assert belief_of(support(instead=0.0)).probability > 0.9  # a lasting law may be another than ours
+
+
 def test_a_far_rival_lowers_the_probability_and_a_near_one_joins_the_set():
     far, near = belief_of(support([("carpet_nap", 60.0)])), belief_of(support([("carpet_nap", 5.0)]))
     assert far.among == ("floor_tilt",)

@@ -126,12 +126,16 @@ class Support:
         """What is no effect of the catalogue and could stand in its place: how much evidence it lacks.
 
         What does the very same with these numbers (`Closure.has_twin`), in any recording, lacks nothing; of a moment
-        a jump of the measured poses is asked.
+        a jump of the measured poses is asked. An event is held against forms in its place: a law that always holds and
+        is none of the catalogue's is likelier than something that came once, as every robot has some.
         """
-        known = self.added
-        jump = Gap(-self.forms.jump, 0.0, known.blocks)
-        twins = (jump,) if math.isfinite(jump.evidence) else ()
-        return (*twins, Gap(0.0, 0.0, known.blocks)) if self._has_exact_twin else twins
+        spread, blocks = self.alone.spread, self.added.blocks
+        found = [Gap(-self.forms.jump, 0.0, blocks)]
+        if is_event(registry()[self.name]):
+            found.append(Gap(max(self.forms.beside, 0.0) - self.forms.instead, spread, blocks))
+        if self._has_exact_twin:
+            found.append(Gap(0.0, 0.0, blocks))
+        return tuple(gap for gap in found if math.isfinite(gap.evidence))
 
     @property
     def _has_exact_twin(self) -> bool:
