@@ -51,3 +51,27 @@ def test_a_plane_that_falls_alike_everywhere_keeps_its_name():
     found = diagnose([recording(seed, 30.0, **hidden) for seed in (1, 2)], without=WITHOUT)
     (tilt,) = found.verdict.effects
     assert (tilt.name, tilt.closure) == ("floor_tilt", "plane")
+
+
+def test_beyond_a_fold_a_robot_rolls_and_before_it_rests():
+    fold = {"fold": 0.03, "across": 0.0, "fold_at": 0.2}
+    assert rolled(1.0, 0.5, **fold)[0] < -1e-3
+    assert rolled(1.0, 0.5, **fold)[0] == pytest.approx(rolled(0.4, -0.5, **fold)[0])  # a plane: alike everywhere
+    assert rolled(0.0, 0.0, **fold) == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_the_line_of_a_fold_lies_across_its_direction():
+    fold = {"fold": 0.03, "across": 0.25 * np.pi, "fold_at": 0.0}
+    assert rolled(0.4, 0.0, **fold)[0] == pytest.approx(rolled(0.0, 0.4, **fold)[0]) != 0.0
+    assert rolled(-0.4, 0.0, **fold) == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_a_folded_floor_is_named_with_its_line_since_no_cable_pulls_so():
+    fold = {"slope_x": -0.01, "fold": 0.025, "across": 0.6, "fold_at": 0.1}
+    hidden = {f"floor_tilt__{name}": value for name, value in fold.items()}
+    found = diagnose([recording(seed, 30.0, **hidden) for seed in (1, 2)], without=WITHOUT)
+    (tilt,) = found.verdict.effects
+    assert (tilt.name, tilt.closure) == ("floor_tilt", "folded")
+    assert tilt.confidence > 0.9
+    assert tilt.parameters["fold"].value == pytest.approx(0.025, rel=0.15)
+    assert tilt.parameters["fold_at"].value == pytest.approx(0.1, abs=0.03)

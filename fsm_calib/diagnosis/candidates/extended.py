@@ -1,9 +1,9 @@
 """Where a larger closure begins: at the fit of a smaller one of its effect that has won something.
 
-What the smaller one has found stays, its choices with it where the larger one does not hold them otherwise. Each
-further strength begins as large as those are, each further number at one of its declared starts, all of which are tried
-by simulation. (Both wheels of a robot oval: four numbers, seven paces and nine pairs of phases would cost every robot
-some 2 s.)
+What the smaller one has found stays, its choices with it where the larger one does not hold them otherwise; numbers
+that the larger one does not have go. Each further strength begins as large as those are, each further number at one of
+its declared starts, all of which are tried by simulation. (Both wheels of a robot oval: four numbers, seven paces and
+nine pairs of phases would cost every robot some 2 s.)
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ def beyond(
 ) -> tuple[Hypothesis, Start]:
     """Return a closure's hypothesis and its best start from `values` (R, p), where a smaller one's fit has ended."""
     form = Hypothesis(effect.name, closure.frees, smaller.run, closure=closure.name)
-    begun = with_values(values, form.held, form.run)
+    gone = {f"{effect.name}.{n}": effect.parameter(n).null for n in smaller.names if n not in closure.frees}
+    begun = with_values(values, {**gone, **form.held}, form.run)
     tried = [with_values(begun, choice, form.run) for choice in _further(effect, closure, smaller, values)]
     starts = [Start(there, prober.gain(prober.columns(there))) for there in tried]
     return form, max(starts, key=lambda start: start.promise)
