@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, fitted_number, judged, recording, robot
+from diagnosis_robots import decided, engine_of, fitted_number, recording, robot
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
@@ -45,7 +45,8 @@ def test_a_trail_length_or_four_after_a_spin_it_follows():
 
 @pytest.mark.slow
 def test_it_is_named_with_its_drag_arm_and_trail():
-    decision = judged(("caster_drag", "tyre_scrub", "coulomb_friction", "motor_asymmetric_lag"), **BUILT)
+    drives = [recording(seed, 28.0, **BUILT) for seed in (0, 1)]
+    decision = decided(drives, ("caster_drag", "tyre_scrub", "coulomb_friction", "motor_asymmetric_lag"))
     assert [b.name for b in decision.named] == ["caster_drag"]
     assert decision.model.effects[0].hypothesis.closure == "along its fork"
     found = [fitted_number(decision.model.fit, f"caster_drag.{n}") for n in ("drag", "arm", "trail")]

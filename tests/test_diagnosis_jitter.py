@@ -82,7 +82,7 @@ def test_the_filter_whitens_what_a_lateness_does():
 
 @pytest.mark.slow
 def test_a_clean_robot_with_late_commands_is_a_match_and_told():
-    found = diagnose([recording(seed, jitter=0.025) for seed in (2, 3)])
+    found = diagnose([recording(seed, 28.0, jitter=0.025) for seed in (2, 3)])
     assert found.verdict.verdict == "match"
     assert any("early or late by" in note for note in found.notes)
 

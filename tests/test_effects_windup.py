@@ -104,8 +104,8 @@ def test_treads_that_drift_go_outwards_by_their_share_of_the_centripetal_acceler
 def stuck_wheels_and_gyro(seed, twist):
     """Return measured wheels and a gyro of a robot that skids and whose treads stick until twisted by `twist` [rad]."""
     rng = np.random.default_rng(seed)
-    time = np.arange(0.0, 60.0, 0.02)
-    edges = np.arange(0.0, 60.0, 1.5)
+    time = np.arange(0.0, 44.0, 0.02)
+    edges = np.arange(0.0, 44.0, 1.5)
     half = rng.uniform(-0.1, 0.1, edges.size)[np.searchsorted(edges, time, side="right") - 1]
     heading = turned_through(2.0 * half[:-1] * np.diff(time) / (AXLE * (1.0 + STRETCH)), twist)
     rows = slice(None, None, 5)
@@ -120,8 +120,8 @@ def stuck_wheels_and_gyro(seed, twist):
 def wheels_and_gyro(seed, way):
     """Return measured wheels and a gyro of a robot that skids and winds up over `way` [m]."""
     rng = np.random.default_rng(seed)
-    time = np.arange(0.0, 60.0, 0.1)
-    edges = np.arange(0.0, 60.0, 2.0)
+    time = np.arange(0.0, 44.0, 0.1)
+    edges = np.arange(0.0, 44.0, 2.0)
     held = np.searchsorted(edges, time, side="right") - 1
     mean = rng.uniform(0.15, 0.6, edges.size)[held]
     half = rng.uniform(-0.1, 0.1, edges.size)[held]
