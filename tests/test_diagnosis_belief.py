@@ -192,6 +192,14 @@ def test_a_rival_that_is_behind_by_a_hundredth_of_what_the_name_explains_stands_
             "each drive asks for another size (25 % is lost)",
         ),
         (support(moved=0.25), "each drive asks for another size"),
+        (
+            support("external_push", added=100.0, instead=0.0, jump=-90.0),
+            "a plain dependence on speed does as well",
+        ),
+        (
+            support("external_push", added=100.0, jump=0.0),
+            "a jump of the measured poses does as well",
+        ),
         (support(), "nearest: motor_deadband or caster_drag, but not surely enough for a name"),
     ],
 )

@@ -243,11 +243,9 @@ def _complaint(model: Model) -> str:
     belief, support = model.beliefs[0], model.supports[0]
     nearest = " or ".join(belief.among)
     forms = support.forms
-    if any(twin.probability < TOLD_APART for twin in support.twins):
-        other = (
-            "a jump of the measured poses" if forms.jump > -np.inf else "what is no effect of the catalogue"
-        )
-        return f"{nearest} comes nearest, but {other} does as well"
+    twin = min(support.twins, key=lambda twin: twin.gap.probability, default=None)
+    if twin is not None and twin.gap.probability < TOLD_APART:
+        return f"{nearest} comes nearest, but {twin.what} does as well"
     if support.replaced > 0.0 and forms.instead_quantities:
         return (
             f"{nearest} comes nearest, but a plain dependence on {' and '.join(forms.instead_quantities)} "

@@ -57,7 +57,8 @@ def belief_of(support: Support) -> Belief:
     beaten = [(r.name, support.beats(r.gap)) for r in support.rivals]
     near = [name for name, p in beaten if p < TOLD_APART]
     against = sum((1.0 - p) / p for _, p in beaten if p >= TOLD_APART)
-    against += sum((1.0 - p) / max(p, TINY) for p in map(support.beats, support.twins)) + support.by_chance
+    equalled = [support.beats(twin.gap) for twin in support.twins]
+    against += sum((1.0 - p) / max(p, TINY) for p in equalled) + support.by_chance
     probability = support.alone.probability * shape_probability(support) / (1.0 + against)
     return Belief(support.effect, probability, (support.name, *near))
 

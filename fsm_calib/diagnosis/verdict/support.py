@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
@@ -25,6 +26,14 @@ class RivalGap:
     name: str
     gap: Gap
     fit: Fit
+
+
+@dataclass(frozen=True, slots=True)
+class Twin:
+    """What is no effect of the catalogue and could stand in an effect's place, in words; how much evidence it lacks."""
+
+    what: str
+    gap: Gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,20 +131,21 @@ class Support:
         return (1.0 - self.share) * math.log1p(uneven / SLIGHT)
 
     @property
-    def twins(self) -> tuple[Gap, ...]:
-        """What is no effect of the catalogue and could stand in its place: how much evidence it lacks.
+    def twins(self) -> tuple[Twin, ...]:
+        """What is no effect of the catalogue and could stand in its place.
 
         What does the very same with these numbers (`Closure.has_twin`), in any recording, lacks nothing; of a moment
         a jump of the measured poses is asked. An event is held against forms in its place: a law that always holds and
-        is none of the catalogue's is likelier than something that came once, as every robot has some.
+        is none of the catalogue's, as every robot has some, is likelier than something that came once.
         """
-        spread, blocks = self.alone.spread, self.added.blocks
-        found = [Gap(-self.forms.jump, 0.0, blocks)]
+        forms, blocks = self.forms, self.added.blocks
+        found = [Twin("a jump of the measured poses", Gap(-forms.jump, 0.0, blocks))]
         if is_event(registry()[self.name]):
-            found.append(Gap(max(self.forms.beside, 0.0) - self.forms.instead, spread, blocks))
+            lacks = max(forms.beside, 0.0) - forms.instead
+            found.append(Twin(_law_of(forms.instead_quantities), Gap(lacks, self.alone.spread, blocks)))
         if self._has_exact_twin:
-            found.append(Gap(0.0, 0.0, blocks))
-        return tuple(gap for gap in found if math.isfinite(gap.evidence))
+            found.append(Twin("what is no effect of the catalogue", Gap(0.0, 0.0, blocks)))
+        return tuple(twin for twin in found if math.isfinite(twin.gap.evidence))
 
     @property
     def _has_exact_twin(self) -> bool:
@@ -151,3 +161,8 @@ class Support:
     def moved(self) -> float:
         """The share of the effect that is another one in each drive, 0 where that cannot be asked."""
         return self.law.moved if math.isfinite(self.law.moved) else 0.0
+
+
+def _law_of(quantities: Sequence[str]) -> str:
+    """Return in words a law without a name that depends on some quantities."""
+    return f"a plain dependence on {' and '.join(quantities)}" if quantities else "a law without a name"
