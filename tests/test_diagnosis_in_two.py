@@ -2,14 +2,13 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from diagnosis_robots import engine_of, fitted_number, recording
+from diagnosis_robots import engine_of, fitted_number, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.verdict.in_two import likelier_in_two
-from fsm_calib.diagnosis.verdict.selection import Selection, Selector
+from fsm_calib.diagnosis.verdict.selection import Selection
 from fsm_calib.world2d.effects import registry
 
 NEIGHBOURS = ("caster_drag", "tyre_scrub", "coulomb_friction")
@@ -17,8 +16,7 @@ NEIGHBOURS = ("caster_drag", "tyre_scrub", "coulomb_friction")
 
 def selector_of(**changes):
     engine = engine_of(*(recording(seed, **changes) for seed in (0, 1)))
-    catalogue = [registry()[name] for name in NEIGHBOURS]
-    return Selector(engine, fit_base(engine), catalogue, 14.0, 0.01, 4, np.random.default_rng(0))
+    return selector_on(fit_base(engine), engine, *NEIGHBOURS)
 
 
 def alone(selector, name):
@@ -53,7 +51,6 @@ def test_where_one_went_what_had_evidence_beside_it_is_asked(two, evidence, join
     scrub = alone(two, "tyre_scrub")
     friction = next(r for r in scrub.rankings[0] if r.name == "coulomb_friction")
     seen = (scrub.effects[0], replace(friction, evidence=evidence))
-    after = replace(
-        scrub, rankings=(*scrub.rankings, seen)
-    )  # the second round's winner took the first's place
+    # the second round's winner took the first's place
+    after = replace(scrub, rankings=(*scrub.rankings, seen))
     assert ("coulomb_friction" in {e.name for e in two._grown_on(after).effects}) is joins

@@ -97,5 +97,5 @@ def test_what_an_effect_excludes_is_not_asked_for_beside_it():
     catalogue = [registry()[name] for name in names]
     selector = Selector(None, None, catalogue, 14.0, 0.01, 4, np.random.default_rng(0))
     for first, others in (("skid_steer", ["tyre_scrub"]), ("tyre_scrub", ["skid_steer", "caster_drag"])):
-        asked = selector._beside(SimpleNamespace(effects=[SimpleNamespace(name=first)]))
+        asked = selector.beside([SimpleNamespace(name=first)])
         assert [effect.name for effect in asked] == others

@@ -55,10 +55,9 @@ def test_a_plane_that_falls_alike_everywhere_keeps_its_name():
 
 def test_beyond_a_fold_a_robot_rolls_and_before_it_rests():
     fold = {"fold": 0.03, "across": 0.0, "fold_at": 0.2}
-    assert rolled(1.0, 0.5, **fold)[0] < -1e-3
-    assert rolled(1.0, 0.5, **fold)[0] == pytest.approx(
-        rolled(0.4, -0.5, **fold)[0]
-    )  # a plane: alike everywhere
+    far, near = rolled(1.0, 0.5, **fold)[0], rolled(0.4, -0.5, **fold)[0]
+    assert far < -1e-3
+    assert far == pytest.approx(near)  # a plane: alike everywhere
     assert rolled(0.0, 0.0, **fold) == pytest.approx([0.0, 0.0], abs=1e-9)
 
 

@@ -9,10 +9,10 @@ is held against its strongest neighbour in its place, with one more beside it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
-from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, strongest
-from fsm_calib.diagnosis.candidates.ranking import Bank
+from fsm_calib.diagnosis.candidates.ranked import Ranked, strongest
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.diagnosis.verdict.spared import declare_each_other
@@ -39,15 +39,17 @@ def _two_instead(
 
     less : the fit without the effect.
     """
-    near = _neighbours(selector, selection, one)
+    rest = [e for e in selection.effects if e is not one]
+    near = _neighbours(selector, selection, one, rest)
     if len(one.hypothesis.names) < NUMBERS or len(near) < 2:
         return None
     engine, whole = selector.engine, selection.fit
     first = bank_without(engine, whole, less).best_of(registry()[near[0].name])
     if first is None or first.gain <= 0.0:
         return None
-    bank = Bank.on(engine, first.fit, max(evidence_of(whole, first.fit, engine.count), 0.0))
-    second = strongest(found for found in (bank.best_of(registry()[r.name]) for r in near[1:]) if found)
+    bank, names = bank_without(engine, whole, first.fit), {r.name for r in near}
+    further = [e for e in selector.beside((*rest, first)) if e.name in names]
+    second = strongest(found for found in map(bank.best_of, further) if found)
     if second is None:
         return None
     fit = selector.with_noise(second.fit)
@@ -56,15 +58,16 @@ def _two_instead(
     return replace(near[0], hypothesis=first.hypothesis, fit=fit), replace(second, fit=fit)
 
 
-def _neighbours(selector: Selector, selection: Selection, one: Ranked) -> list[Ranked]:
+def _neighbours(
+    selector: Selector, selection: Selection, one: Ranked, rest: Sequence[Ranked]
+) -> list[Ranked]:
     """Return what declares an effect as its rival, or the other way, was detected where it won, and may join the rest,
     strongest first.
     """
-    names = {e.name for e in selection.effects}
-    barred = names.union(*(registry()[name].excludes for name in names if name != one.name))
+    free = {e.name for e in selector.beside(rest)}
     rounds = rounds_won(one.name, selection.rankings) or selection.rankings[-1:]
     return [
         r
         for r in rounds[-1]
-        if r.evidence > selector.needed and r.name not in barred and declare_each_other(one.name, r.name)
+        if r.evidence > selector.needed and r.name in free and declare_each_other(one.name, r.name)
     ]

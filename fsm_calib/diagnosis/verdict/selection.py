@@ -13,7 +13,7 @@ their own before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -134,7 +134,7 @@ class Selector:
         All others are asked, whatever is left for them: what they would explain may have been noise so far.
         """
         bare = self._pruned(effects, fit, rankings, self.needed)
-        further = self._beside(bare) if len(bare.effects) < self.most else []
+        further = self.beside(bare.effects) if len(bare.effects) < self.most else []
         larger = self._with_one_more(bare, self._bank_on(bare), further)
         grown = self._grown_on(larger or bare)
         return self.weighed(grown, self._wanted(grown))
@@ -163,7 +163,7 @@ class Selector:
 
     def _seen_before(self, selection: Selection, bank: Bank) -> list[Effect]:
         """Return the further effects that had evidence in the last round, or of which a moment stands out."""
-        beside = self._beside(selection)
+        beside = self.beside(selection.effects)
         seen = {r.name for r in selection.rankings[-1] if r.evidence > self.needed}
         seen |= standing_out(bank, beside, self.needed)
         return [e for e in beside if e.name in seen]
@@ -253,10 +253,11 @@ class Selector:
     def _worth_asking(self, selection: Selection, bank: Bank) -> list[Effect]:
         """Return the effects that what is left could be."""
         hinted = {r.name for ranking in selection.rankings for r in ranking if r.evidence > self.needed}
-        return worth_asking(bank, self._beside(selection), hinted, needed=self.needed)
+        return worth_asking(bank, self.beside(selection.effects), hinted, needed=self.needed)
 
-    def _beside(self, selection: Selection) -> list[Effect]:
-        named = {e.name for e in selection.effects}
+    def beside(self, effects: Iterable[Ranked]) -> list[Effect]:
+        """Return the effects of the catalogue that a robot may have beside some."""
+        named = {e.name for e in effects}
         left_out = named.union(*(registry()[name].excludes for name in named))
         return [e for e in self.catalogue if e.name not in left_out]
 
