@@ -28,6 +28,7 @@ from fsm_calib.diagnosis.verdict.in_its_place import among_the_others, on_its_ow
 from fsm_calib.diagnosis.verdict.posterior import belief_of
 from fsm_calib.diagnosis.verdict.selection import Selection
 from fsm_calib.diagnosis.verdict.support import RivalGap, Support
+from fsm_calib.diagnosis.verdict.turned_about import turned_about
 from fsm_calib.world2d.effects import registry
 
 TRIED_AGAIN = 3  # names that are fitted in an effect's place beside the others
@@ -85,7 +86,8 @@ def _examined(engine: Engine, selection: Selection, support: Support, less: Fit)
     found = [r for r in _in_its_place(engine, selection, effect, less) if r.name not in said]
     rivals = side_by_side(engine, partial(_rival, engine, fit, less), found, fit, less)
     ordered = tuple(sorted([*rivals, *company], key=lambda rival: rival.gap.evidence))
-    return replace(support, rivals=ordered, law=one_law(engine, less, fit, effect.name))
+    law, turned = one_law(engine, less, fit, effect.name), turned_about(engine, less, fit, effect.name)
+    return replace(support, rivals=ordered, law=law, turned=turned)
 
 
 def _led_by(selection: Selection) -> str:

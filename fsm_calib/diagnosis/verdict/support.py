@@ -43,7 +43,8 @@ class Support:
     effect : as it stands in the model; without : the model without it, re-fitted; added : evidence over that;
     share : of what all effects of the model add, 0 to 1; rivals : names fitted in its place, nearest first;
     law : is it one in all drives; forms : un-named forms in its place, and beside the whole model; others : what the
-    other effects add that not every robot has; jolted : log odds against an event where the robot is jolted most.
+    other effects add that not every robot has; jolted : log odds against an event where the robot is jolted most;
+    turned : what the model with the effect turned about lacks against that without it (`turned_about`).
     """
 
     effect: Ranked
@@ -55,6 +56,7 @@ class Support:
     forms: Contest
     others: float = 0.0
     jolted: float = 0.0
+    turned: Gap | None = None
 
     @property
     def name(self) -> str:
@@ -136,13 +138,16 @@ class Support:
 
         What does the very same with these numbers (`Closure.has_twin`), in any recording, lacks nothing; of a moment
         a jump of the measured poses is asked. An event is held against forms in its place: a law that always holds and
-        is none of the catalogue's, as every robot has some, is likelier than something that came once.
+        is none of the catalogue's, as every robot has some, is likelier than something that came once. And what does
+        as well turned about is no law of an angle: it shakes the robot, whenever.
         """
         forms, blocks = self.forms, self.added.blocks
         found = [Twin("a jump of the measured poses", Gap(-forms.jump, 0.0, blocks))]
         if is_event(registry()[self.name]):
             lacks = max(forms.beside, 0.0) - forms.instead
             found.append(Twin(_law_of(forms.instead_quantities), Gap(lacks, self.alone.spread, blocks)))
+        if self.turned is not None:
+            found.append(Twin("whatever shakes the robot", self.turned))
         if self._has_exact_twin:
             found.append(Twin("what is no effect of the catalogue", Gap(0.0, 0.0, blocks)))
         return tuple(twin for twin in found if math.isfinite(twin.gap.evidence))

@@ -68,6 +68,8 @@ class Parameter:
     in_series : bool
         Whether it is a time constant in series with the motors' own. Lags in series commute, so that a fit that takes
         one for the other stands on a hill of its own.
+    cyclic : bool
+        Whether it is an angle of which a whole turn [2 pi rad] more is the same: half a turn more is the opposite.
     """
 
     name: str
@@ -95,6 +97,7 @@ class Parameter:
     in_series: bool = False
     rugged: bool = False
     edge: float = 0.0
+    cyclic: bool = False
 
     @property
     def difference_step(self) -> float:

@@ -68,6 +68,7 @@ EFFECT = Effect(
             mirror="swap:phase_right",
             starts=(0.0, 2.1, 4.2),
             step=1e-3,
+            cyclic=True,
         ),
         Parameter(
             "phase_right",
@@ -83,6 +84,7 @@ EFFECT = Effect(
             mirror="swap:phase_left",
             starts=(0.0, 2.1, 4.2),
             step=1e-3,
+            cyclic=True,
         ),
         Parameter(
             "lobes",
