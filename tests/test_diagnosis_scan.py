@@ -344,3 +344,15 @@ def test_disturbances_fade_only_after_a_robot_has_come_to_rest():
     ]
     at = np.interp(np.array(rests[:-1]) + 0.15, prepared.time, moving)
     assert at.min() > 0.5
+
+
+def test_a_rug_as_wide_as_the_drive_is_sought_as_one_and_the_same_place_once():
+    rug = {"drag": 0.05, "x": 0.3, "y": 0.2, "half_x": 0.6, "half_y": 0.5, "spread": 1.0, "roundness": 1.0}
+    hidden = {f"rough_floor_patch__{name}": value for name, value in rug.items()}
+    bank = bank_of(*(recording(seed, 40.0, **hidden) for seed in (0, 1)))
+    found = bank.scanner.candidates(registry()["rough_floor_patch"])
+    first = {name.split(".")[1]: value for name, value in found[0].changes.items()}
+    assert np.hypot(first["x"] - 0.3, first["y"] - 0.2) < 0.15
+    assert min(first["half_x"], first["half_y"]) > 0.4
+    places = [tuple(candidate.changes.values()) for candidate in found]
+    assert all(np.abs(np.subtract(a, b)).max() > 0.05 for i, a in enumerate(places) for b in places[:i])

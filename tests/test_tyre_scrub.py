@@ -32,6 +32,12 @@ def test_a_tread_that_rolls_off_resists_a_spin_and_hardly_a_wide_arc():
     assert 0.0 < kept_back(0.5, 0.6, **rolling) < 0.3 * kept_back(0.5, 0.6, **plain)
 
 
+def test_a_tread_that_rolls_off_resists_most_under_a_wheel_that_stands():
+    """A pivot about one wheel turns as fast as a spin by half the command, and that wheel's tread is not renewed."""
+    rolling = {"moment": 0.03, "roll": 60.0}
+    assert kept_back(0.0, 0.4, **rolling) > 1.5 * kept_back(-0.2, 0.2, **rolling)
+
+
 def test_a_tread_that_rolls_off_is_named_scrub_and_its_size_is_measured():
     hidden = {"tyre_scrub__moment": 0.05, "tyre_scrub__roll": 10.0}
     found = diagnose([recording(seed, 30.0, **hidden) for seed in (1, 2)], without=WITHOUT)

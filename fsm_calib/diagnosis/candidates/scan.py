@@ -22,7 +22,7 @@ from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.fault_search import FaultSearch
 from fsm_calib.diagnosis.candidates.outstanding import MOMENTS, by_chance
 from fsm_calib.diagnosis.candidates.push_search import PushSearch
-from fsm_calib.diagnosis.candidates.scan_areas import Area, boxes, drag_columns, settled, strips
+from fsm_calib.diagnosis.candidates.scan_areas import Area, boxes, drag_columns, settled, strips, wide_boxes
 from fsm_calib.diagnosis.candidates.scan_default import (
     MOMENTS_APART,
     Trial,
@@ -56,6 +56,7 @@ from fsm_calib.world2d.parameters import parameter_table
 
 PITCH = 0.12  # m between candidate centres: a third of a common patch's diameter
 KEEP = 3
+KEEP_WIDE = 2  # of the rugs and lawns, beside the spots and strips
 MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
 SHIFTED_TRIED = 120  # the same of shifted ones, where three numbers make jumps of chance larger
 CHUNK = 32
@@ -148,20 +149,29 @@ class Scanner:
         return [*(replace(found, promise=most) for found in best), *rest]
 
     def _dragging_areas(self, effect: Effect) -> list[Candidate]:
-        """Return areas of rough floor, felt under each wheel or under the body's middle, moved and resized uphill."""
-        areas = [
-            replace(area, spread=spread)
-            for area in [*boxes(self.places(), self.size), *strips(self.situations)]
-            for spread in (0.0, 1.0)
-        ]
+        """Return areas of rough floor, felt under each wheel or under the body's middle, moved and resized uphill.
+
+        Wide ones are kept beside small ones: about the middle of a wide one a small one promises much, too, and the
+        other way round.
+        """
+        usual = [*boxes(self.places(), self.size), *strips(self.situations)]
+        wide = wide_boxes(self.places(), self.size)
+        kept = [*self._best_areas(usual, KEEP), *self._best_areas(wide, KEEP_WIDE)]
+        found = [Candidate(area.numbers(effect), promise) for area, promise in kept]
+        return sorted(found, key=lambda candidate: -candidate.promise)
+
+    def _best_areas(self, shapes: Sequence[Area], keep: int) -> list[tuple[Area, float]]:
+        """Return the best of some areas that are apart, moved and resized uphill, and what they promise."""
+        areas = [replace(area, spread=spread) for area in shapes for spread in (0.0, 1.0)]
         promise = self._drags(areas)
-        found = []
+        found: list[tuple[Area, float]] = []
         centres = np.array([(area.x, area.y) for area in areas])
-        for i in apart(promise, centres, KEEP, 1.5 * self.size * PITCH):
+        for i in apart(promise, centres, keep, 1.5 * self.size * PITCH):
             if self.hopeless(float(promise[i])):
                 continue
             best, gain = settled(areas[i], self._drags, self.size)
-            found.append(Candidate(best.numbers(effect), gain))
+            if not any(best.is_like(other, self.size) for other, _ in found):
+                found.append((best, gain))
         return found
 
     def _drags(self, areas: Sequence[Area]) -> FloatArray:

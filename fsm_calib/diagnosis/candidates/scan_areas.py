@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 
 RADII = (0.15, 0.25)  # m: the span of spots, mats and markers that a small robot crosses
+WIDE_RADII = (0.4, 0.65)  # m, of rugs and lawns, at a pitch of half of each
 STRIPS = (0.08, 0.2)  # m, half widths
 STRIP_PITCH = 0.12  # m
 LONG = 5.0  # m, half length of a strip: beyond any arena of a small robot
@@ -45,6 +46,11 @@ class Area:
         """Return whether one side is as long as the arena."""
         return max(self.half_x, self.half_y) >= LONG
 
+    def is_like(self, other: Area, size: float = 1.0) -> bool:
+        """Return whether both came to the same place, as `settled` moves them for a robot of this size."""
+        pairs = zip(astuple(self), astuple(other), strict=True)
+        return all(abs(a - b) < size * SETTLE_STEPS[0] for a, b in pairs)
+
     def holds(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return 1 inside and 0 outside, shape of x and y [m]."""
         dx, dy = np.abs(x - self.x) / self.half_x, np.abs(y - self.y) / self.half_y
@@ -59,6 +65,17 @@ def boxes(centres: FloatArray, size: float = 1.0) -> list[Area]:
     """Return squares of several sizes around centres (m, 2) [m], `size` times those of a small robot."""
     radii = [size * r for r in RADII]
     return [Area(float(x), float(y), r, r, roundness=0.0) for r in radii for x, y in centres]
+
+
+def wide_boxes(centres: FloatArray, size: float = 1.0) -> list[Area]:
+    """Return wide squares about centres (m, 2) [m], `size` times those of a small robot."""
+    grids = [(size * r, _coarser(centres, 0.5 * size * r)) for r in WIDE_RADII]
+    return [Area(float(x), float(y), r, r, roundness=0.0) for r, grid in grids for x, y in grid]
+
+
+def _coarser(centres: FloatArray, pitch: float) -> FloatArray:
+    """Return the cells of a coarser grid in which centres (m, 2) lie, their middles [m]."""
+    return (np.unique(np.floor(centres / pitch), axis=0) + 0.5) * pitch
 
 
 def strips(situations: Sequence[Situation]) -> list[Area]:

@@ -26,6 +26,7 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 
 LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
+EACH = 2  # start values of a strength: what the data ask for is within the factor of one of them
 MOST_STRENGTHS = 4  # combinations of start values that are tried at every place
 SETTLE_STEPS = (0.06, 0.03)  # m, by which centre and edges of the best places are moved
 KEPT = 3
@@ -48,7 +49,8 @@ class Trial:
         name, values = self.effect.name, []
         for p in self.effect.parameters:
             if p.strength and p.fitted:
-                values.append([(f"{name}.{p.name}", x) for x in p.starts or (p.typical,) if x != p.null])
+                starts = p.starts[:EACH] or (p.typical,)
+                values.append([(f"{name}.{p.name}", x) for x in starts if x != p.null])
         return [dict(chosen) for chosen in islice(product(*(v for v in values if v)), MOST_STRENGTHS)]
 
     def promises(self, candidates: Sequence[Changes]) -> FloatArray:

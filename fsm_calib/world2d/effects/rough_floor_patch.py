@@ -47,7 +47,9 @@ EFFECT = Effect(
     summary="a stretch of floor with more rolling resistance",
     equation="F_i = -drag sgn(v_i) - viscous v_i inside a box or an ellipse",
     parameters=(
-        Parameter("drag", "F_p", "N", 0.0, 0.0, 6.0, 0.8, "5 to 30 % of the wheel load", starts=(0.5, 1.5)),
+        Parameter(
+            "drag", "F_p", "N", 0.0, 0.0, 6.0, 0.8, "5 to 30 % of the wheel load", starts=(0.5, 1.5, 0.12)
+        ),
         *centre_parameters("p", SPOT_DOUBT),
         Parameter(
             "half_x",
@@ -98,7 +100,7 @@ EFFECT = Effect(
             30.0,
             2.0,
             "the drag of a mat at walking pace",
-            starts=(1.0, 4.0),
+            starts=(1.0, 4.0, 0.25),
         ),
     ),
     hooks={"step": resist},

@@ -1,13 +1,13 @@
 r"""The tyres' wide contact resists turning.
 
-    M = -moment omega / sqrt(omega^2 + rate^2 + roll^2 (v^2 + (h omega)^2))
+    M = -sum_i moment/2 omega / sqrt(omega^2 + rate^2 + (roll v_i)^2)
     s1^2 <- s1^2 + (spin omega)^2                a contact that spins slips more easily
 
 M [N m] about the vertical: half the contact's length times friction times load for each wheel; omega [rad/s] yaw
 rate; rate [rad/s] below which it acts as a damper: a turning contact slides as a whole only when it turns faster than
 its tread can bend and roll off. Tread that rolls off is renewed, so that a rolling tyre resists less: by its turn
-slip, yaw rate over rolling speed, which slides as a whole above roll [1/m] only; v [m/s] the axle centre's speed, h
-[m] half the axle: what is beside roll is the mean square of the wheels' speeds. s1 [m/s] is the slip speed of
+slip, yaw rate over rolling speed v_i [m/s], which slides as a whole above roll [1/m] only: most where a wheel stands
+while the robot pivots about it. s1 [m/s] is the slip speed of
 `dynamics`; spin [m] is of the size of the contact: its points slide by the spin already, in all directions, and a
 small slip only tips their balance. Contact models with one cone for sliding and spinning have it, too, larger
 (MuJoCo's a tenth of a metre). Skidding treads (`skid_steer`) slip as they turn, too, and this length would take their
@@ -30,10 +30,13 @@ from fsm_calib.world2d.slots import HALF_AXLE, OMEGA, SLIP_SPEED, V
 @njit(error_model="numpy")
 def scrub(P, o, S, m, W):
     """Add the moment, less for tyres that roll, and let them slip more easily while they spin."""
-    rate = P[o + 1]
-    if P[o + 3] != 0.0:
-        rate = math.hypot(rate, P[o + 3] * math.hypot(S[V], W[HALF_AXLE] * S[OMEGA]))
-    add_dry_moment(W, P[o], rate)
+    if P[o + 3] == 0.0:
+        add_dry_moment(W, P[o], P[o + 1])
+    else:
+        for side in range(2):
+            arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
+            rolling = S[V] - arm * S[OMEGA]
+            add_dry_moment(W, 0.5 * P[o], math.hypot(P[o + 1], P[o + 3] * rolling))
     if P[o + 2] != 0.0:
         W[SLIP_SPEED] = math.hypot(W[SLIP_SPEED], P[o + 2] * S[OMEGA])
 
@@ -42,7 +45,7 @@ EFFECT = Effect(
     name="tyre_scrub",
     family="resistance",
     summary="resistance to turning",
-    equation="M = -moment omega / sqrt(omega^2 + rate^2 + roll^2 (v^2 + (h omega)^2)), s1^2 = s1^2 + (spin omega)^2",
+    equation="M = -sum moment/2 omega / sqrt(omega^2 + rate^2 + (roll v_i)^2), s1^2 = s1^2 + (spin omega)^2",
     parameters=(
         Parameter(
             "moment",
@@ -87,12 +90,12 @@ EFFECT = Effect(
             "1/m",
             0.0,
             0.0,
-            60.0,
+            400.0,
             0.0,
-            "one over the radius of the arc within which a tyre slides as a whole: a few half axles",
+            "4 over the contact's width: 100 for 4 cm; less for treads that bend",
             strength=False,
             step=0.05,
-            starts=(8.0,),
+            starts=(8.0, 60.0),
         ),
     ),
     hooks={"step": scrub},
