@@ -29,7 +29,7 @@ def model_of(joined, now, probability=0.9):
     return Model((ranked,), fit_with(now), None, (), None, (), (belief,))
 
 
-@pytest.mark.parametrize(("now", "said"), [(0.8, ["command_saturation"]), (1.2, [])])
+@pytest.mark.parametrize(("now", "said"), [(0.8, ["command_saturation"]), (1.02, []), (1.2, [])])
 def test_a_supply_that_ends_above_full_command_in_the_whole_model_is_no_finding(now, said):
     assert [belief.name for belief in sayable(model_of(0.8, now), 0.6, ())] == said
 

@@ -13,6 +13,7 @@ which is no finding; the current's limit (1,031 units) was lost with it, and a d
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -76,6 +77,22 @@ def has_size(ranked: Ranked) -> bool:
         if any(np.any(np.abs(values - end) < AT_BOUND * (high - low)) for end in ends):
             return False
     return any(told) or not told
+
+
+def is_as_built(ranked: Ranked) -> bool:
+    """Return whether all strengths that an effect frees are as robots are built (`Parameter.as_built`).
+
+    A robot whose motors are 1.1 times as strong in reverse has a supply that ends at 1.02 of full command: any bridge
+    ends where its pulses fill the time.
+    """
+    table, effect = parameter_table(), registry()[ranked.name]
+    freed = [p for p in map(effect.parameter, ranked.hypothesis.names) if p.strength]
+    ways = [math.copysign(1.0, p.null - p.as_built) for p in freed]
+    values = [ranked.fit.values[:, table.place(f"{ranked.name}.{p.name}")] for p in freed]
+    return bool(freed) and all(
+        bool(np.all(way * (value - p.as_built) >= 0.0))
+        for p, way, value in zip(freed, ways, values, strict=True)
+    )
 
 
 def passes_whole(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:

@@ -108,6 +108,7 @@ EFFECT = Effect(
         Parameter(
             "voltage", "v_max", "1", NEVER, 0.05, 2.0, 2.0, "batteries lose a tenth to a third of their voltage",
             starts=(0.3, 0.45, 0.6, 0.75, 0.9, 1.0), step=1e-3, least=NEVER - AMPLE,
+            as_built=1.0,  # no bridge gives more: it cuts what a motor stronger one way, or a driver that adds, is told
         ),
         gain_of_the_loop("loop", "p"),
         of_one_driver_or_both("limit_side", "d"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 FORCE_DOUBT = 0.2  # of a force told by speeds: mass to 10 %, rotating inertia to a factor of two
@@ -59,6 +60,9 @@ class Parameter:
     least : float
         A smaller distance from the null value, in `unit`, is within what the base robot's own equations leave open,
         and no size to be named.
+    as_built : float
+        A value that robots are built with: a fit between it and the null value stays in the model, where it may be
+        needed beside another effect, and has no name; nan for none.
     rugged : bool
         Whether a fit stays on the hill where this number starts, so that one that has ended is tried from the other
         starts, too.
@@ -98,6 +102,7 @@ class Parameter:
     rugged: bool = False
     edge: float = 0.0
     cyclic: bool = False
+    as_built: float = math.nan
 
     @property
     def difference_step(self) -> float:
