@@ -28,7 +28,7 @@ FACTS = RobotFacts(name="simulated", wheel_radius=0.0318, axle_length=0.1, max_w
 ENCODER_RATE, TICK = 60.0, 2.0 * np.pi / 1600.0  # Hz, rad
 
 
-def drive(rng, duration=40.0):
+def drive(rng, duration=30.0):
     """Return held commands of many levels, both directions, spins and rests."""
     time, left, right, at = [], [], [], 0.5
     while at < duration:
@@ -88,7 +88,7 @@ def laps(seed=0, duration=40.0, **changes):
     return driven(holds, rng, [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE], **changes)
 
 
-def recording(seed=0, duration=40.0, noise=1.0, rate=RATE, jitter=0.0, **changes):
+def recording(seed=0, duration=30.0, noise=1.0, rate=RATE, jitter=0.0, **changes):
     """Return a recording of a `robot` with `changes`: poses at `rate` [Hz], commands early or late by `jitter` [s]."""
     rng = np.random.default_rng(seed)
     commands = drive(rng, duration)
@@ -109,7 +109,7 @@ def with_encoders(seed, late=0.0, **changes):
     """Return a recording with encoders, the right one `late` [s] behind its wheel."""
     seen = recording(seed, **changes)
     command = seen.command
-    times = np.arange(0.2, 39.0, 1.0 / ENCODER_RATE)
+    times = np.arange(0.2, float(seen.pose.time[-1]) - 0.9, 1.0 / ENCODER_RATE)
     commands = Drive(command.time, command.left, command.right)
 
     def angles(at):

@@ -92,7 +92,7 @@ def test_a_limit_that_is_seldom_reached_is_found():
 
 @pytest.mark.parametrize(("noticed", "fitted"), [(14.0, True), (np.inf, False)])
 def test_what_promises_nothing_is_fitted_only_beside_what_is_noticed(monkeypatch, noticed, fitted):
-    bank, begun = bank_of(recording(0, motor_deadband__offset=0.05)), []
+    bank, begun = bank_of(recording(0, 40.0, motor_deadband__offset=0.05)), []
     fit = Bank._begun
     monkeypatch.setattr(Bank, "_begun", lambda *a, **k: begun.append(a[1].effect) or fit(*a, **k))
     asked = [registry()[name] for name in ("motor_deadband", "floor_tilt")]
@@ -135,7 +135,7 @@ def test_a_turned_marker_is_fitted_from_there(marked):
 def test_a_shifted_marker_or_the_rest_of_the_map_shifted_back_is_found():
     numbers = {"misplaced_marker__shift_x": 0.03, "misplaced_marker__shift_y": -0.02}
     place = {f"misplaced_marker__{name}": MARKER[name] for name in ("x", "y", "radius")}
-    best = discs_of(bank_of(*(recording(seed, **numbers, **place) for seed in (0, 1))), SHIFTED)[0]
+    best = discs_of(bank_of(*(recording(seed, 40.0, **numbers, **place) for seed in (0, 1))), SHIFTED)[0]
     sign = np.sign(best.shift_x)
     assert sign * np.array([best.shift_x, best.shift_y]) == pytest.approx((0.03, -0.02), abs=0.01)
 
@@ -323,7 +323,7 @@ def test_several_pushes_of_a_drive_are_offered_and_fitted_together():
     begins = {"start": 15.2, "start_2": 6.0, "start_3": 29.0}
     turns = {"impulse_turn": 0.06, "impulse_turn_2": -0.05, "impulse_turn_3": 0.05}
     numbers = {f"external_push__{name}": value for name, value in {**begins, **turns}.items()}
-    bank = bank_of(recording(0, **numbers), recording(1))
+    bank = bank_of(recording(0, 40.0, **numbers), recording(1))
     (form, (start,)), *others = (
         p for p in bank.plans(registry()["external_push"]) if "pushes" in p[0].closure
     )

@@ -109,7 +109,7 @@ def test_like_motors_beside_the_first_effect_change_nothing():
 @pytest.mark.parametrize("as_good", [True, False])
 def test_the_robots_own_number_takes_the_place_of_one_like_it_where_both_do_as_well(as_good):
     """A rival leads that leaves the number nothing to say, unless that stands in for one of the rival's own."""
-    engine = engine_with(unequal_motors__stiffness=0.03, payload_offset__x=-0.03)
+    engine = engine_with(duration=40.0, unequal_motors__stiffness=0.03, payload_offset__x=-0.03)
     base, slot = fit_base(engine), slot_of(STIFFNESS)
 
     def freed(fit):

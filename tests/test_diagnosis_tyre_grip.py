@@ -59,7 +59,7 @@ def test_a_slippery_spot_is_no_smaller_grip_of_the_whole_floor():
 
 def test_a_floor_of_little_grip_beside_a_place_is_free():
     changes = {f"rough_floor_patch__{name}": value for name, value in {"x": 0.1, "y": 0.0}.items()}
-    changes |= {"rough_floor_patch__drag": 0.4, "friction": 0.3}
+    changes |= {"rough_floor_patch__drag": 0.4, "friction": 0.3, "duration": 40.0}
     value, sd = grip_of(["rough_floor_patch"], **changes)
     assert value == pytest.approx(0.3, abs=4.0 * sd)
 

@@ -92,7 +92,7 @@ def test_a_bridge_that_coasts_is_named_by_its_size():
 
 
 def test_windings_heated_by_their_current_are_named():
-    decision = judged(MOTOR_RIVALS, **HEAT)
+    decision = judged(MOTOR_RIVALS, duration=40.0, **HEAT)
     assert [belief.name for belief in decision.named] == ["motor_warmup"]
     assert decision.model.effects[0].hypothesis.closure == "heat of the current"
     place = parameter_table().place("motor_warmup.heat")

@@ -97,7 +97,7 @@ def test_how_it_rests_is_found_beside_dry_friction(drops):
 
 
 def test_a_robot_that_has_one_is_given_one():
-    fit = based(*(recording(seed, speed_controller__hold=5.0) for seed in (0, 1)))
+    fit = based(*(recording(seed, 40.0, speed_controller__hold=5.0) for seed in (0, 1)))
     assert free(fit)[HOLD_PLACE] == pytest.approx(5.0, rel=0.1)
     assert WEIGHT_PLACE not in free(fit)
 

@@ -27,7 +27,7 @@ def test_across_the_edge_the_command_rises_steadily():
 
 def test_it_is_named_by_its_size():
     rivals = ("motor_deadband", "motor_gain_curve", "coulomb_friction", "command_saturation", "caster_drag")
-    decision = judged(rivals, motor_deadband__threshold=0.12)
+    decision = judged(rivals, duration=40.0, motor_deadband__threshold=0.12)
     assert [belief.name for belief in decision.named] == ["motor_deadband"]
     assert decision.model.effects[0].hypothesis.closure == "ignored when small"
     found = fitted_number(decision.model.fit, "motor_deadband.threshold")
