@@ -384,7 +384,7 @@ def searched(
     monkeypatch.setattr(Judge, "_weighed", lambda self, selection: model)
     monkeypatch.setattr(decide, "refined", lambda engine, model, least: model)
     monkeypatch.setattr(decide, "simplified", lambda engine, model: model)
-    monkeypatch.setattr(decide, "is_plausible", lambda ranked, simulators: ranked.name != implausible)
+    monkeypatch.setattr(decide, "is_finding", lambda ranked, simulators: ranked.name != implausible)
     monkeypatch.setattr(decide, "placed", lambda engine, fit, effects, rng: "placed")
     monkeypatch.setattr(decide, "dated", lambda engine, fit, effects: (fit, "dated"))
     return judge()._answer()

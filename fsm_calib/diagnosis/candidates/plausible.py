@@ -56,6 +56,11 @@ def is_plausible(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
     )
 
 
+def is_finding(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
+    """Return whether an effect of a model may be said: it is what its name says, and no robot is built so."""
+    return is_plausible(ranked, simulators) and not is_as_built(ranked)
+
+
 def has_size(ranked: Ranked) -> bool:
     """Return whether a strength is large enough to be told, and none rests at a bound short of where nature ends.
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import catalogue, shown_by
 from fsm_calib.diagnosis.candidates.place_search import placed
-from fsm_calib.diagnosis.candidates.plausible import is_as_built, is_plausible
+from fsm_calib.diagnosis.candidates.plausible import is_finding
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.rivals import Banks
@@ -223,12 +223,10 @@ def sayable(model: Model, least: float, simulators: Sequence[Simulator]) -> tupl
     An effect was plausible as it joined; what joined it may have moved its numbers to where they are none: a supply
     that ended at full command, and at 1.2 of it beside a dead zone, which is how robots are built.
     """
-    named = model.named(least)
-    as_they_stand = [replace(belief.effect, fit=model.fit) for belief in named]
     return tuple(
         belief
-        for belief, effect in zip(named, as_they_stand, strict=True)
-        if is_plausible(effect, simulators) and not is_as_built(effect)
+        for belief in model.named(least)
+        if is_finding(replace(belief.effect, fit=model.fit), simulators)
     )
 
 
