@@ -68,10 +68,10 @@ def test_wheel_holds_every_scenario_diagram_and_template(installed) -> None:
 
 @pytest.mark.slow
 def test_shipped_scenario_runs_by_name_in_an_empty_folder(installed, tmp_path) -> None:
-    done = fsm_calib(installed, tmp_path, "run", "wheels_only", "--out", "here")
+    done = fsm_calib(installed, tmp_path, "run", "full_calibration", "--out", "here")
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "here" / "report.html").read_text(encoding="utf-8")
-    assert all(f"<h2>{part}</h2>" in page for part in ("Wheels", "Time line of states"))
+    assert all(f"<h2>{part}</h2>" in page for part in ("Wheels", "Camera", "Time line of states"))
     if PROGRAM is not None:
         assert faults({"run": page}, tmp_path) == []
 

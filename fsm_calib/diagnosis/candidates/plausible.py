@@ -13,12 +13,11 @@ which is no finding; the current's limit (1,031 units) was lost with it, and a d
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranked import Ranked, parameters_of
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.replay.simulator import Simulator
 from fsm_calib.diagnosis.shapes.score_tests import ALPHA
@@ -90,13 +89,10 @@ def is_as_built(ranked: Ranked) -> bool:
     A robot whose motors are 1.1 times as strong in reverse has a supply that ends at 1.02 of full command: any bridge
     ends where its pulses fill the time.
     """
-    table, effect = parameter_table(), registry()[ranked.name]
+    effect, values = registry()[ranked.name], parameters_of(ranked)
     freed = [p for p in map(effect.parameter, ranked.hypothesis.names) if p.strength]
-    ways = [math.copysign(1.0, p.null - p.as_built) for p in freed]
-    values = [ranked.fit.values[:, table.place(f"{ranked.name}.{p.name}")] for p in freed]
     return bool(freed) and all(
-        bool(np.all(way * (value - p.as_built) >= 0.0))
-        for p, way, value in zip(freed, ways, values, strict=True)
+        bool(np.all((values[p.name] - p.as_built) * (p.null - p.as_built) >= 0.0)) for p in freed
     )
 
 

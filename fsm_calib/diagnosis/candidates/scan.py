@@ -154,9 +154,9 @@ class Scanner:
         Wide ones are kept beside small ones: about the middle of a wide one a small one promises much, too, and the
         other way round.
         """
-        usual = [*boxes(self.places(), self.size), *strips(self.situations)]
-        wide = wide_boxes(self.places(), self.size)
-        kept = [*self._best_areas(usual, KEEP), *self._best_areas(wide, KEEP_WIDE)]
+        places = self.places()
+        usual = [*boxes(places, self.size), *strips(self.situations)]
+        kept = [*self._best_areas(usual, KEEP), *self._best_areas(wide_boxes(places, self.size), KEEP_WIDE)]
         found = [Candidate(area.numbers(effect), promise) for area, promise in kept]
         return sorted(found, key=lambda candidate: -candidate.promise)
 

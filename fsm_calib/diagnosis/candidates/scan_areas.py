@@ -9,7 +9,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.replay.robot_size import robot_size
 from fsm_calib.diagnosis.replay.situation import Situation
-from fsm_calib.diagnosis.shapes.features import body_columns
+from fsm_calib.diagnosis.shapes.features import body_columns, cells_about
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect
 
@@ -63,19 +63,19 @@ Judge = Callable[[Sequence[Area]], FloatArray]
 
 def boxes(centres: FloatArray, size: float = 1.0) -> list[Area]:
     """Return squares of several sizes around centres (m, 2) [m], `size` times those of a small robot."""
-    radii = [size * r for r in RADII]
-    return [Area(float(x), float(y), r, r, roundness=0.0) for r in radii for x, y in centres]
+    return [box for radius in RADII for box in _squares(size * radius, centres)]
 
 
 def wide_boxes(centres: FloatArray, size: float = 1.0) -> list[Area]:
     """Return wide squares about centres (m, 2) [m], `size` times those of a small robot."""
-    grids = [(size * r, _coarser(centres, 0.5 * size * r)) for r in WIDE_RADII]
-    return [Area(float(x), float(y), r, r, roundness=0.0) for r, grid in grids for x, y in grid]
+    halves = [size * radius for radius in WIDE_RADII]
+    return [box for half in halves for box in _squares(half, cells_about(centres, 0.5 * half))]
 
 
-def _coarser(centres: FloatArray, pitch: float) -> FloatArray:
-    """Return the cells of a coarser grid in which centres (m, 2) lie, their middles [m]."""
-    return (np.unique(np.floor(centres / pitch), axis=0) + 0.5) * pitch
+def _squares(half: float, centres: FloatArray) -> Iterator[Area]:
+    """Yield a square of half a side [m] about each of some centres (m, 2) [m]."""
+    for x, y in centres.tolist():
+        yield Area(x, y, half, half, roundness=0.0)
 
 
 def strips(situations: Sequence[Situation]) -> list[Area]:

@@ -178,17 +178,19 @@ def place_pitch(situations: list[Situation]) -> float:
 
 def place_centres(situations: list[Situation], pitch: float, beside: bool = False) -> FloatArray:
     """Return centres (m, 2) [m] of a grid over the floor that was visited while moving, and beside it if asked for."""
-    cells = {
-        (int(np.floor(x / pitch)), int(np.floor(y / pitch)))
-        for s in situations
-        for x, y, m in zip(s.x, s.y, _moving(s), strict=True)
-        if m > 0.5
-    }
-    if not cells:
+    visited = np.concatenate([np.column_stack([s.x, s.y])[_moving(s) > 0.5] for s in situations])
+    if not len(visited):
         return np.zeros((1, 2))
-    if beside:
-        cells = {(i + di, j + dj) for i, j in cells for di, dj in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1))}
-    return (np.array(sorted(cells)) + 0.5) * pitch
+    centres = cells_about(visited, pitch)
+    if not beside:
+        return centres
+    steps = pitch * np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)])
+    return cells_about((centres[:, None] + steps).reshape(-1, 2), pitch)
+
+
+def cells_about(points: FloatArray, pitch: float) -> FloatArray:
+    """Return the middles (m, 2) of the cells of a grid in which some points (n, 2) lie, all in [m]."""
+    return (np.unique(np.floor(points / pitch).astype(int), axis=0) + 0.5) * pitch
 
 
 def _bumps(s: Situation, centres: FloatArray) -> FloatArray:

@@ -39,6 +39,7 @@ from fsm_calib.diagnosis.verdict.refined import refined
 from fsm_calib.diagnosis.verdict.selection import Selection, Selector
 from fsm_calib.diagnosis.verdict.shares import worth_saying
 from fsm_calib.diagnosis.verdict.simplified import simplified
+from fsm_calib.diagnosis.verdict.support import law_of
 from fsm_calib.world2d.effects import Effect, registry
 
 Progress = Callable[[str], None]
@@ -248,7 +249,7 @@ def _complaint(model: Model) -> str:
         return f"{nearest} comes nearest, but {twin.what} does as well"
     if support.replaced > 0.0 and forms.instead_quantities:
         return (
-            f"{nearest} comes nearest, but a plain dependence on {' and '.join(forms.instead_quantities)} "
+            f"{nearest} comes nearest, but {law_of(forms.instead_quantities)} "
             f"does better (evidence {forms.instead:.0f} more)"
         )
     if forms.beside > 0.0 and forms.beside_quantities:

@@ -145,7 +145,7 @@ class Support:
         found = [Twin("a jump of the measured poses", Gap(-forms.jump, 0.0, blocks))]
         if is_event(registry()[self.name]):
             lacks = max(forms.beside, 0.0) - forms.instead
-            found.append(Twin(_law_of(forms.instead_quantities), Gap(lacks, self.alone.spread, blocks)))
+            found.append(Twin(law_of(forms.instead_quantities), Gap(lacks, self.alone.spread, blocks)))
         if self.turned is not None:
             found.append(Twin("whatever shakes the robot", self.turned))
         if self._has_exact_twin:
@@ -168,6 +168,6 @@ class Support:
         return self.law.moved if math.isfinite(self.law.moved) else 0.0
 
 
-def _law_of(quantities: Sequence[str]) -> str:
+def law_of(quantities: Sequence[str]) -> str:
     """Return in words a law without a name that depends on some quantities."""
     return f"a plain dependence on {' and '.join(quantities)}" if quantities else "a law without a name"

@@ -16,12 +16,12 @@ from __future__ import annotations
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.places import contact_arm
 from fsm_calib.world2d.effects.wheels import of_each_wheel
 from fsm_calib.world2d.slots import (
     DRIVE,
     ENGAGED,
     FREE_ROTATING,
-    HALF_AXLE,
     OMEGA,
     RADIUS,
     RIM,
@@ -48,8 +48,7 @@ def cross_gap(P, o, S, m, W):
         if gap <= 0.0:
             continue
         rim = S[RIM + side]
-        arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
-        ground = S[V] - arm * S[OMEGA]
+        ground = S[V] - contact_arm(W, side, 1.0) * S[OMEGA]
         free = free_speed(rim, W[TARGET + side], W[DRIVE + side], W[FREE_ROTATING], h)
         travel = (0.5 * (rim + free) - ground) * h / W[RADIUS + side]
         after = S[m + side] + travel

@@ -23,8 +23,9 @@ import math
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.places import contact_arm
 from fsm_calib.world2d.forces import add_dry_moment
-from fsm_calib.world2d.slots import HALF_AXLE, OMEGA, SLIP_SPEED, V
+from fsm_calib.world2d.slots import OMEGA, SLIP_SPEED, V
 
 
 @njit(error_model="numpy")
@@ -34,8 +35,7 @@ def scrub(P, o, S, m, W):
         add_dry_moment(W, P[o], P[o + 1])
     else:
         for side in range(2):
-            arm = W[HALF_AXLE] if side == 0 else -W[HALF_AXLE]
-            rolling = S[V] - arm * S[OMEGA]
+            rolling = S[V] - contact_arm(W, side, 1.0) * S[OMEGA]
             add_dry_moment(W, 0.5 * P[o], math.hypot(P[o + 1], P[o + 3] * rolling))
     if P[o + 2] != 0.0:
         W[SLIP_SPEED] = math.hypot(W[SLIP_SPEED], P[o + 2] * S[OMEGA])
