@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from diagnosis_robots import recording, robot
 
+from fsm_calib.diagnosis.candidates.ranked import EXACT
 from fsm_calib.diagnosis.design.area import Area, Disc
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
 from fsm_calib.diagnosis.design.belief_of import belief_of, prior_belief
@@ -22,7 +23,6 @@ from fsm_calib.diagnosis.design.sight import Sight
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.diagnosis.likelihood.noise import Noise
 from fsm_calib.diagnosis.proof.gap import Gap
-from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.verdict.support import RivalGap
 from fsm_calib.types import Pose2
 from fsm_calib.world2d.parameters import NUISANCE, parameter_table

@@ -12,9 +12,9 @@ import pytest
 from scipy.stats import norm
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
-from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranked import EXACT, Ranked
 from fsm_calib.diagnosis.proof.gap import LOGISTIC, TOLD_APART, Gap
-from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, EXACT, Adequacy
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Adequacy
 from fsm_calib.diagnosis.shapes.score_tests import ALPHA, LeftOver
 from fsm_calib.diagnosis.verdict import decide
 from fsm_calib.diagnosis.verdict.decide import Decision, Judge

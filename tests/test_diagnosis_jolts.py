@@ -7,10 +7,9 @@ import pytest
 from diagnosis_robots import engine_of, recording
 from scipy.integrate import quad
 
+from fsm_calib.diagnosis.candidates.jolts import AFTER, BEFORE, _motion, against_patch, density, is_quiet
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.proof.jolts import _motion, against_patch, density
-from fsm_calib.diagnosis.proof.pose_jump import AFTER, BEFORE
 from fsm_calib.world2d.effects.numbered import numbered
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -47,6 +46,20 @@ def moment(engine, values, order):
 def test_a_push_in_the_hardest_moment_of_the_drives_loses_its_name(drives):
     hardest = moment(*drives, -1)
     assert against_patch(drives[0], pushed(drives[1], (1, hardest)), ["external_push"]) > 2.0
+
+
+def ranked(fit):
+    """Return an event as a hypothesis is ranked."""
+    return SimpleNamespace(name="external_push", fit=fit)
+
+
+def test_an_event_may_not_be_said_where_each_of_its_moments_is_the_hardest_and_may_where_they_are_quiet(
+    drives,
+):
+    engine, values = drives
+    hard, quiet = (pushed(values, (1, moment(engine, values, order))) for order in (-1, 0))
+    assert not is_quiet(engine, ranked(hard))
+    assert is_quiet(engine, ranked(quiet))
 
 
 def test_a_push_in_a_quiet_moment_keeps_its_name(drives):

@@ -1,15 +1,19 @@
 """A push that comes alike in every drive is told by both together, where neither drive tells it alone."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from diagnosis_robots import engine_of, recording
 
 from fsm_calib.diagnosis.candidates.each_its_own import each_its_own
+from fsm_calib.diagnosis.candidates.plausible import is_seen
 from fsm_calib.diagnosis.candidates.push_alike import _agreeing, _Told
 from fsm_calib.diagnosis.candidates.push_search import PushSearch
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.scan_pushes import turns
-from fsm_calib.diagnosis.candidates.scanned import scanned
+from fsm_calib.diagnosis.candidates.scanned import WORTH_FITTING, scanned
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.replay.simulator import scale_of
@@ -105,6 +109,34 @@ def test_a_form_that_comes_alike_shares_its_impulse_and_has_a_begin_in_each_driv
     assert fit.runs_of("external_push") == (0, 1)
     turn = fit.values[:, table.place("external_push.impulse_turn")]
     assert turn[0] == turn[1] == pytest.approx(TWIST["impulse_turn"], rel=0.4)
+
+
+def test_what_came_alike_is_tried_beside_a_much_stronger_push_of_one_drive():
+    kick = {"impulse_x_2": 1.5, "impulse_y_2": 1.5, "start_2": 5.0}
+    engine, base = pushed(**kick)
+    bank = Bank.on(engine, base)
+    forms = [(form, starts[0]) for form, starts in scanned(bank.prober, bank.scanner, PUSH) if starts]
+    alike = [start.promise for form, start in forms if form.run == ALL_RUNS]
+    assert alike
+    assert max(alike) < WORTH_FITTING * max(start.promise for _, start in forms)
+
+
+def hidden(run, begin):
+    """Return recordings of which one has no poses for a second from `begin` [s] on."""
+    time = np.arange(0.0, 40.0, 0.1)
+    seen = [time, time]
+    seen[run] = time[(time < begin - 0.05) | (time > begin + 1.0)]
+    return [SimpleNamespace(prepared=SimpleNamespace(poses=SimpleNamespace(time=t))) for t in seen]
+
+
+@pytest.mark.parametrize("run", [0, 1])
+def test_what_came_alike_needs_to_be_seen_in_one_drive_and_what_came_in_one_drive_in_that(bank, run):
+    form = next(p for p in scanned(bank.prober, bank.scanner, PUSH) if p[0].run == ALL_RUNS)
+    found = bank.fit(form[0], form[1][0])
+    begin = float(found.fit.values[run, parameter_table().place("external_push.start")])
+    alone = replace(found, hypothesis=replace(found.hypothesis, run=run))
+    assert is_seen(found, hidden(run, begin))
+    assert not is_seen(alone, hidden(run, begin))
 
 
 @pytest.mark.parametrize(("second", "own"), [({}, False), ({"impulse_turn": 0.025}, True)])

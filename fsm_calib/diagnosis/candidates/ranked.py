@@ -13,6 +13,7 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
+EXACT = 0.01  # of what it explains: no equation is more exact
 STRONG = 6.0  # evidence: "strong" (Kass & Raftery, J. Am. Stat. Assoc. 90 (1995) 773)
 
 

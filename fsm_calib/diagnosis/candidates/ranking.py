@@ -21,6 +21,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     slots_of,
     starts_move_all,
 )
+from fsm_calib.diagnosis.candidates.jolts import is_quiet
 from fsm_calib.diagnosis.candidates.once_more import once_more
 from fsm_calib.diagnosis.candidates.plausible import plausible_of
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, simplest, strongest
@@ -113,8 +114,10 @@ class Bank:
         return sorted(best, key=lambda ranked: -ranked.evidence)
 
     def _plausible(self, forms: Iterable[Ranked]) -> Sequence[Ranked]:
-        """Return `plausible_of` some forms of an effect in these recordings."""
-        return plausible_of(list(forms), self.engine.simulators)
+        """Return `plausible_of` some forms of an effect in these recordings, of an event's those that may be said."""
+        asked = list(forms)
+        quiet = [ranked for ranked in asked if is_quiet(self.engine, ranked)]
+        return plausible_of(quiet or asked, self.engine.simulators)
 
     def _each_asked(self, effects: Sequence[Effect], progress: Progress) -> list[Asked]:
         """Return what each effect begins; on the base robot, where none hangs on the others, what it began before."""

@@ -10,6 +10,7 @@ from fsm_calib.diagnosis.candidates.scan import Scanner
 from fsm_calib.diagnosis.candidates.starts import Prober, Start
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.diagnosis.shapes.score_tests import ALPHA
 from fsm_calib.world2d.effects import Closure, Effect
 
 WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
@@ -22,13 +23,17 @@ Plans = list[tuple[Hypothesis, list[Start]]]
 
 
 def scanned(prober: Prober, scanner: Scanner, effect: Effect) -> Plans:
-    """Turn what a scan finds of an effect into starts, with strengths tried by simulation."""
+    """Turn what a scan finds of an effect into starts, with strengths tried by simulation.
+
+    What came alike in every recording as chance hardly does is tried however much one drive by itself promises.
+    """
     candidates = scanner.candidates(effect)
     plans = []
     best = max((c.promise for c in candidates), default=0.0)
     wanted = max(WORTH_FITTING * best, min(best, FAINT))
     for candidate in candidates:
-        if candidate.promise < wanted or scanner.hopeless(candidate.promise):
+        sure = bool(candidate.each) and candidate.chance <= ALPHA
+        if (candidate.promise < wanted and not sure) or scanner.hopeless(candidate.promise):
             continue
         if candidate.each:
             plans.append(_alike(prober, effect, candidate))

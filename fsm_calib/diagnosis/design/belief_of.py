@@ -22,7 +22,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     hypotheses_of,
     is_event,
 )
-from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
+from fsm_calib.diagnosis.candidates.ranked import EXACT, Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.candidates.starts import Prober
 from fsm_calib.diagnosis.design.belief import Belief, Hypothesis, kept
@@ -34,7 +34,6 @@ from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS, Slot
 from fsm_calib.diagnosis.fitting.values import switched_off, with_values
 from fsm_calib.diagnosis.likelihood.noise import Noise
-from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.replay.simulator import NOMINAL_WHEEL_RATE
 from fsm_calib.diagnosis.verdict.decide import Decision
 from fsm_calib.diagnosis.verdict.posterior import TINY

@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from fsm_calib.diagnosis.candidates.ranked import EXACT
 from fsm_calib.diagnosis.shapes.score_tests import LeftOver
-
-EXACT = 0.01  # of what it explains: no equation is more exact
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.jolts import AFTER, BEFORE
 from fsm_calib.diagnosis.fitting.begins import begins_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.proof.linear import Linear
@@ -24,7 +25,6 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 
 JUMP_NUMBERS = 4  # place, heading, time
-BEFORE, AFTER = 0.2, 0.4  # s from a push's start: a fit may be off by it, a motor answers within it
 
 
 def jumped(engine: Engine, bare: Linear, fit: Fit, effects: Sequence[str]) -> float:

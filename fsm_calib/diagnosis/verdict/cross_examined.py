@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
+from fsm_calib.diagnosis.candidates.jolts import against_patch
 from fsm_calib.diagnosis.candidates.polish import polished
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -22,7 +23,6 @@ from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.fitting.values import taken_over
 from fsm_calib.diagnosis.proof.form_test import Remainder, contest
 from fsm_calib.diagnosis.proof.gap import gap_between, gap_where_it_acts
-from fsm_calib.diagnosis.proof.jolts import against_patch
 from fsm_calib.diagnosis.proof.one_law import OneLaw, one_law
 from fsm_calib.diagnosis.verdict.in_its_place import among_the_others, on_its_own_ground
 from fsm_calib.diagnosis.verdict.posterior import belief_of

@@ -9,7 +9,7 @@ second (`proof/gap.py`), that over a rival also by a hundredth of what the name 
 less); c [1] : the odds that a moment stands out so far by chance (`Support.by_chance`); left, replaced, moved [1] :
 shares of what the name explains that un-named forms explain beside it, or better in its place, and that is another law
 in each drive; patchy [1] : how well it could mend what is inexact in stronger effects (`verdict/support.py`);
-jolted [1] : an event comes where the robot is jolted most (`proof/jolts.py`). A right name whose
+jolted [1] : an event comes where the robot is jolted most (`candidates/jolts.py`). A right name whose
 equation is another than ours and a wrong neighbour differ in these shares, not in sizes. The numbers were set on opened
 development robots (`benchmarks/concealed`, `benchmarks/engine` with the mass behind the axle, `benchmarks/foreign` seed
 1), right names against names given when the true one had been taken out of the catalogue; DOUBT and SLIGHT of uneven

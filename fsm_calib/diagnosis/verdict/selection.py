@@ -23,8 +23,9 @@ from fsm_calib.diagnosis.candidates.asked import Distinct
 from fsm_calib.diagnosis.candidates.from_the_leader import sought_again
 from fsm_calib.diagnosis.candidates.from_the_sheet import is_bent, sought_from_the_sheet
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
+from fsm_calib.diagnosis.candidates.jolts import happened
 from fsm_calib.diagnosis.candidates.place_search import placed
-from fsm_calib.diagnosis.candidates.plausible import is_crossed, is_plausible, stands_out
+from fsm_calib.diagnosis.candidates.plausible import is_crossed, is_plausible
 from fsm_calib.diagnosis.candidates.polish import polished
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -119,8 +120,8 @@ class Selector:
         return bank, [r for r in again if r in ranking or self._is_told(r)]
 
     def _is_told(self, ranked: Ranked) -> bool:
-        """Return whether an effect is what its name says and, if it is an event, stands out."""
-        return is_plausible(ranked, self.engine.simulators) and stands_out(ranked, self.needed)
+        """Return whether an effect is what its name says and, if it is an event, happened."""
+        return is_plausible(ranked, self.engine.simulators) and happened(self.engine, ranked, self.needed)
 
     def grown(self, ranking: Sequence[Ranked]) -> Selection:
         """Return the selection that begins with the first of a ranking on top of the base robot."""

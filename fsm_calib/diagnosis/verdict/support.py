@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
-from fsm_calib.diagnosis.candidates.ranked import Ranked
+from fsm_calib.diagnosis.candidates.ranked import EXACT, Ranked
 from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.proof.form_test import Contest
 from fsm_calib.diagnosis.proof.gap import Gap
-from fsm_calib.diagnosis.proof.gates import EXACT
 from fsm_calib.diagnosis.proof.one_law import OneLaw
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table

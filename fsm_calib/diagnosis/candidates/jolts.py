@@ -4,7 +4,7 @@ A push comes at any time. What equations get wrong comes where most happens: at 
 and a body pitches, and where a wheel begins to turn gears take up their play, friction lets go, a caster swivels; what
 is left of that one push mends. With q [1] the share of the drives' time in which the robot's own speed changes at least
 as much as in the event's moment, or a wheel begins to turn as near to it, q is uniform for real events, and for patches
-on inexact laws it is dense near zero (a density as 1 / (q + e), e [1] = `gates.EXACT`):
+on inexact laws it is dense near zero (a density as 1 / (q + e), e [1] = `ranked.EXACT`):
 
     density(q) = 1 / ((q + e) log(1 + 1 / e))        0 <= q <= 1
     V(t) = |max u - min u|                           from t - BEFORE to t + AFTER
@@ -24,17 +24,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import is_event
-from fsm_calib.diagnosis.candidates.plausible import SHORTEST_SPAN
+from fsm_calib.diagnosis.candidates.plausible import SHORTEST_SPAN, stands_out
+from fsm_calib.diagnosis.candidates.ranked import EXACT, Ranked
 from fsm_calib.diagnosis.fitting.begins import begins_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.values import switched_off
-from fsm_calib.diagnosis.proof.gates import EXACT
-from fsm_calib.diagnosis.proof.pose_jump import AFTER, BEFORE
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.effects.numbered import length_of
 from fsm_calib.world2d.parameters import parameter_table
 
+BEFORE, AFTER = 0.2, 0.4  # s from an event's start: a fit may be off by it, a motor answers within it
+TOO_JOLTED = 2.8  # log odds: with so much against it the surest name is not said (`verdict/posterior.py`)
 GRID = 0.05  # s between the times at which a drive is looked at
 STANDS = 0.03  # of the fastest wheel's rate: below it a wheel stands
 
@@ -50,6 +51,19 @@ def against_patch(engine: Engine, fit: Fit, effects: Sequence[str]) -> float:
     jolted = _log_densities(motions, moments, lambda motion: motion.jolts)
     begun = _log_densities(motions, moments, lambda motion: -motion.apart)
     return max(min(jolted), sum(begun), 0.0)  # of jolts one recording in which they are quiet is enough
+
+
+def is_quiet(engine: Engine, ranked: Ranked) -> bool:
+    """Return whether an event may have its name in spite of the moments it comes at; True for other effects."""
+    return against_patch(engine, ranked.fit, [ranked.name]) < TOO_JOLTED
+
+
+def happened(engine: Engine, ranked: Ranked, detect: float) -> bool:
+    """Return whether an event stands out as chance hardly does and no jolt explains it; True for other effects.
+
+    detect : evidence that an effect needs.
+    """
+    return stands_out(ranked, detect) and is_quiet(engine, ranked)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,11 +130,14 @@ def _motion(engine: Engine, without: FloatArray, run: int) -> _Motion:
 def _jolts(at: FloatArray, speeds: FloatArray, times: FloatArray) -> FloatArray:
     """Return by how much speeds (n, 3) [m/s] at (n,) [s] change about each of the times (m,) [s]."""
     first, last = np.searchsorted(at, times - BEFORE), np.searchsorted(at, times + AFTER, side="right")
-    sizes = [
-        float(np.linalg.norm(np.ptp(speeds[a:b], axis=0))) if b > a else 0.0
-        for a, b in zip(first, last, strict=True)
-    ]
-    return np.array(sizes)
+    near = first[:, None] + np.arange(max(int(np.max(last - first, initial=0)), 1))
+    seen = near < last[:, None]
+    window = np.where(seen[..., None], speeds[np.minimum(near, len(at) - 1)], np.nan)
+    sizes = np.zeros(len(times))
+    some = last > first
+    low, high = np.nanmin(window[some], axis=1), np.nanmax(window[some], axis=1)
+    sizes[some] = np.linalg.norm(high - low, axis=1)
+    return sizes
 
 
 def _apart(at: FloatArray, wheels: FloatArray, times: FloatArray) -> FloatArray:
