@@ -30,6 +30,7 @@ from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.shapes.score_tests import project, winnings
 from fsm_calib.world2d.effects import registry
+from fsm_calib.world2d.parameters import parameter_table
 
 MARKER = {"turn": 0.12, "x": 0.15, "y": 0.0, "radius": 0.2}
 
@@ -268,6 +269,16 @@ def test_a_spot_that_one_wheel_of_a_large_robot_is_in_at_a_time_is_found_there()
     assert np.hypot(x - 0.3, y - 0.1) < 0.2
     assert best.changes["low_friction_patch.spread"] == 1.0
     assert best.promise > 10.0 * max(other.promise for other in others)
+
+
+def test_a_puddle_that_is_smaller_than_half_a_turn_is_found_and_fitted():
+    puddle = {"loss": 0.8, "x": 0.3, "y": 0.1, "radius": 0.12}
+    numbers = {f"low_friction_patch__{name}": value for name, value in puddle.items()}
+    bank = bank_of(*(recording(seed, **numbers) for seed in (0, 1)))
+    (ranked,) = bank.rank([registry()["low_friction_patch"]])
+    x, y = (ranked.fit.values[0, parameter_table().place(f"low_friction_patch.{n}")] for n in ("x", "y"))
+    assert ranked.gain > 100.0
+    assert np.hypot(x - puddle["x"], y - puddle["y"]) < 0.08
 
 
 def test_a_slippery_spot_is_fitted_from_there(slippery):

@@ -3,7 +3,9 @@
 A slide has no useful derivative: to first order in the loss of grip nothing happens, until the tyres let go. So spots
 are simulated. Their likelihood is flat in the centre (a robot that slides 0.1 m earlier ends up much alike) but steep
 in the grip: a spot that is too slippery sends the robot far off and looks worse than none, one that is not slippery
-enough wins part. So a firm and a loose grip are tried at a coarse pitch, more of both about the best; and a grip that
+enough wins part. So a firm and a loose grip are tried at a coarse pitch, more of both about the best, in a spot of half
+a turn and in one like a puddle: where the grip of the whole floor has given way to a spot of 0.13 m, all larger ones
+win 7 units of log-likelihood at most, one of 0.09 m 14, and the fit from there 49. And a grip is tried that
 is just too little for what the robot asks of its tyres there, g mu = max |a| over a passage, since a slide of heavy
 robots is worth 200 units of log-likelihood at 0.85 of it, 10 at 1.5 of it and minus 300 at 0.65 (spots of 0.6 m under
 carts of another engine). A robot whose wheels stand further apart than a spot reaches has one wheel in it at a time.
@@ -13,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -30,9 +32,11 @@ from fsm_calib.world2d.effects import Effect
 from fsm_calib.world2d.slots import GRAVITY
 
 RADIUS = 0.25  # m: half of a small robot's turn
-RADII = (0.18, 0.3, 0.37)  # m, tried where a spot of the usual radius does best
-FIRST_LOSSES = (0.5, 0.78)  # tried everywhere
-LOSSES = (0.5, 0.65, 0.78, 0.88)  # grips of a half to an eighth, tried where the first promise most
+SMALL = 0.09  # m: a puddle that both wheels of a small robot hardly pass at once
+RADII = (0.13, 0.18, 0.3, 0.37)  # m, tried where a spot of one of these does best
+FIRST_LOSSES = (0.15, 0.5, 0.78)  # tried everywhere
+FIRST_SMALL = (0.3, 0.65)  # the same in small spots
+LOSSES = (0.15, 0.3, 0.5, 0.65, 0.78, 0.88)  # grips to an eighth, tried where the first promise most
 FIRST_SHARES, SHARES = (0.87,), (0.97, 0.87, 0.75)  # the same of what the tyres are asked for there
 LARGE = 1.2  # size from which on a spot is felt under each wheel
 APART = 0.18  # m between the centres of two spots that are kept
@@ -43,6 +47,15 @@ PACE = 0.05  # s between speeds, whose changes tell what the tyres are asked for
 REACH = 0.12  # m beyond a spot's edge at which a wheel may touch it
 
 Spot = dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class _Tried:
+    """A spot's radius [m] and loss of grip [1], and the log-likelihood that it wins."""
+
+    radius: float
+    loss: float
+    promise: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,23 +94,28 @@ class Slides:
         """Return the most promising spots about `centres` (m, 2) [m]: numbers by full name, and what they win."""
         cells = np.round(centres / (self.size * PITCH) - 0.5).astype(int)
         coarse: FloatArray = centres[cells.sum(axis=1) % 2 == 0]
-        promise: FloatArray = np.array(
-            [
-                self.promises(at, self.radius, self._losses(at, FIRST_LOSSES, FIRST_SHARES)).max()
-                for at in coarse
-            ]
-        )
+        first = [
+            self._best_at(at, self._losses(at, FIRST_LOSSES, FIRST_SHARES), FIRST_SMALL) for at in coarse
+        ]
+        promise: FloatArray = np.array([found.promise for found in first])
         near = apart(promise, coarse, LOOKED_AT, self.size * APART)
         tried: FloatArray = np.unique(
             np.round(np.vstack([_about(coarse[i], self.size * PITCH) for i in near]), 6), axis=0
         )
-        losses = [self._losses(at, LOSSES, SHARES) for at in tried]
-        promises = np.array(
-            [self.promises(at, self.radius, some) for at, some in zip(tried, losses, strict=True)]
-        )
-        most: FloatArray = promises.max(axis=1)
+        second = [self._best_at(at, self._losses(at, LOSSES, SHARES), LOSSES) for at in tried]
+        most: FloatArray = np.array([found.promise for found in second])
         kept = apart(most, tried, KEPT, self.size * APART)
-        return [self._of_best_radius(tried[i], losses[i][int(np.argmax(promises[i]))], most[i]) for i in kept]
+        return [self._of_best_radius(tried[i], second[i]) for i in kept]
+
+    def _best_at(self, at: FloatArray, usual: Sequence[float], small: Sequence[float]) -> _Tried:
+        """Return what promises most at a place, of losses of grip in a spot of the usual radius and in a small one."""
+        tried = [(self.radius, usual), (self.growth * SMALL, small)]
+        found = [
+            _Tried(radius, loss, float(promise))
+            for radius, losses in tried
+            for loss, promise in zip(losses, self.promises(at, radius, losses), strict=True)
+        ]
+        return max(found, key=lambda one: one.promise)
 
     def _losses(self, at: FloatArray, firm: Sequence[float], shares: Sequence[float]) -> list[float]:
         """Return losses of grip to be tried at a place: some for all, some by what is asked of the tyres there."""
@@ -119,11 +137,14 @@ class Slides:
         ]
         return winnings(self.residual, self.residual.engine.white_columns(self.residual.whiteners, columns))
 
-    def _of_best_radius(self, at: FloatArray, loss: float, promise: float) -> tuple[Spot, float]:
+    def _of_best_radius(self, at: FloatArray, found: _Tried) -> tuple[Spot, float]:
+        """Return a spot at a place with the loss of grip that was found and the radius that promises most."""
         radii = [self.growth * radius for radius in RADII]
-        promises = [float(promise), *(float(self.promises(at, radius, (loss,))[0]) for radius in radii)]
-        best = int(np.argmax(promises))
-        return self._spot(at, (self.radius, *radii)[best], loss), promises[best]
+        others = [
+            replace(found, radius=r, promise=float(self.promises(at, r, (found.loss,))[0])) for r in radii
+        ]
+        best = max([found, *others], key=lambda one: one.promise)
+        return self._spot(at, best.radius, best.loss), best.promise
 
     def _spot(self, at: FloatArray, radius: float, loss: float) -> Spot:
         spread = 1.0 if self.size > LARGE else 0.0
