@@ -3,6 +3,7 @@ r"""The caster drags, and kicks when it swivels.
     F_drag = -drag v_p / |v_p|                                   at the pivot, against its velocity
     F_drag = -drag v_h / |v_h| - drag n_y sgn(n_y . v_p)         with `crossed`: each of two ways by itself
     F_drag = -drag e sgn(e . v_p)                                with `forked`: along the fork, wherever it points
+    drag(s) = drag (1 - exp(-s / wound))                         with `wound`: s its way since the drive began
     F_kick = -kick n (n . v_p) / sqrt((n . v_p)^2 + swivel^2)    across a caster that is not yet aligned
     d psi / dt = (n . v_p) / trail - omega
 
@@ -15,9 +16,12 @@ still across the robot, which no drag against the pivot's velocity does. Some co
 itself: a ball on crossed rollers, and skids of engines that solve friction along a body's motion and across it apart
 from each other. v_h [m/s] is the velocity halfway between axle and caster, n_y across the robot. PhysX 5 turns its two
 ways with the velocity of the body's centre of mass: axes turned so leave a likelihood too rugged to fit, and these meet
-what they do to a hundredth of the evidence. Sources: dry friction of a ball caster; friction pyramid of contacts,
-Stewart & Trinkle, Int. J. Numer. Methods Eng. 39 (1996) 2673; trailing wheel after Chung & Iagnemma, in Springer
-Handbook of Robotics, 2nd ed. 2016, section 24.1; Duckietown URDF for the arm (0.083 m, 0.085 m on newer robots).
+what they do to a hundredth of the evidence. Hair winds up around a caster's axle as it goes, until no more turns find
+room: `wound` [m] is the way over which the drag comes to 0.63 of what it ends at; every drive begins with a clean
+caster. Sources: dry friction of a ball caster; friction pyramid of contacts, Stewart & Trinkle, Int. J. Numer. Methods
+Eng. 39 (1996) 2673; trailing wheel after Chung & Iagnemma, in Springer Handbook of Robotics, 2nd ed. 2016, section
+24.1; makers' care pages for robot vacuums, on hair around the front caster; Duckietown URDF for the arm (0.083 m, 0.085
+m on newer robots).
 """
 
 from __future__ import annotations
@@ -41,18 +45,22 @@ on a Duckiebot)."""
 
 @njit(error_model="numpy")
 def drag_and_swivel(P, o, S, m, W):
-    """Add the caster's forces and turn it; S[m] is psi."""
+    """Add the caster's forces and turn it; S[m] is psi, S[m + 1] its way [m]."""
     arm = P[o + 2]
     vx, vy = S[V], S[L] - arm * S[OMEGA]
     speed2 = vx * vx + vy * vy
     speed = math.sqrt(speed2)
+    drag = P[o]
+    if P[o + 6] > 0.0:
+        S[m + 1] += speed * W[STEP]
+        drag *= 1.0 - math.exp(-S[m + 1] / P[o + 6])
     if P[o + 4] != 0.0:
-        add_dry_way(W, -arm, 0.0, math.cos(S[m]), math.sin(S[m]), P[o])
+        add_dry_way(W, -arm, 0.0, math.cos(S[m]), math.sin(S[m]), drag)
     elif P[o + 3] == 0.0:
-        add_dry_point(W, -arm, 0.0, P[o])
+        add_dry_point(W, -arm, 0.0, drag)
     else:
-        add_dry_point(W, -HALFWAY * arm, 0.0, P[o])
-        add_dry_way(W, -arm, 0.0, 0.0, 1.0, P[o])
+        add_dry_point(W, -HALFWAY * arm, 0.0, drag)
+        add_dry_way(W, -arm, 0.0, 0.0, 1.0, drag)
     if P[o + 1] != 0.0:
         c, s = math.cos(S[m]), math.sin(S[m])
         across = c * vy - s * vx
@@ -142,6 +150,18 @@ EFFECT = Effect(
             strength=False,
             starts=(0.15, 0.4),
         ),
+        Parameter(
+            "wound",
+            "s_w",
+            "m",
+            0.0,
+            0.0,
+            30.0,
+            3.0,
+            "0: drags alike all the time; hair winds up within some metres",
+            strength=False,
+            starts=(2.0, 6.0),
+        ),
     ),
     hooks={"step": drag_and_swivel},
     channels=("forward", "turn"),
@@ -167,6 +187,14 @@ EFFECT = Effect(
             "a wheel that is braked pulls along its fork, wherever that points",
             fixes={"forked": 1.0},
         ),
+        Closure(
+            "winding up",
+            ("drag", "wound"),
+            "drags more and more as hair winds up around it",
+            sentence="Hair winds up around the caster: it drags with up to {drag}, with 0.63 of that after {wound}.",
+            source="care pages of robot vacuums",
+            extends=("drag alone",),
+        ),
         Closure("drag and kick", ("drag", "kick"), "with a kick when it swivels"),
         Closure(
             "swivelling wheel",
@@ -176,7 +204,7 @@ EFFECT = Effect(
             extends=("drag and kick", "along its fork"),
         ),
     ),
-    memory=1,
+    memory=2,
     order=75,
     dissipative=True,
 )
