@@ -88,13 +88,17 @@ def laps(seed=0, duration=40.0, **changes):
     return driven(holds, rng, [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE], **changes)
 
 
-def recording(seed=0, duration=30.0, noise=1.0, rate=RATE, jitter=0.0, **changes):
-    """Return a recording of a `robot` with `changes`: poses at `rate` [Hz], commands early or late by `jitter` [s]."""
+def recording(seed=0, duration=30.0, noise=1.0, rate=RATE, jitter=0.0, asked=1.0, most=np.inf, **changes):
+    """Return a recording of a `robot` with `changes`: poses at `rate` [Hz], commands early or late by `jitter` [s].
+
+    asked : times as large commands; most : share of full command from which on larger ones drive it no faster.
+    """
     rng = np.random.default_rng(seed)
-    commands = drive(rng, duration)
+    usual = drive(rng, duration)
+    commands = Drive(usual.time, asked * usual.left, asked * usual.right)
     stamps = np.arange(0.0, duration, 1.0 / rate)
     late = np.sort(commands.time + jitter * np.random.default_rng((seed, 1)).normal(size=len(commands.time)))
-    driven = Drive(late, commands.left, commands.right)
+    driven = Drive(late, np.clip(commands.left, -most, most), np.clip(commands.right, -most, most))
     poses = predict(robot(**changes), driven, stamps, START).poses
     poses = poses + noise * rng.normal(size=poses.shape) * [POSITION_NOISE, POSITION_NOISE, HEADING_NOISE]
     return Recording(

@@ -10,6 +10,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.plausible import passes_whole
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.beyond_full import beyond_told, likelier_driven
 from fsm_calib.diagnosis.replay.simulator import drive_of, full_speed
 from fsm_calib.recording.channels import CommandTrack
 from fsm_calib.world2d.parameters import parameter_table
@@ -64,3 +65,20 @@ def test_what_is_asked_beyond_full_command_is_driven_by_full_command():
     assert driven.left.tolist() == [0.0, 1.0, -1.0, 0.4]
     assert driven.right.tolist() == [0.3, 1.0, 0.2, -1.0]
     assert not measured
+
+
+@pytest.mark.parametrize(("most", "followed"), [(1.0, False), (np.inf, True)])
+def test_what_is_asked_beyond_full_command_drives_the_robot_that_follows_it(most, followed):
+    simulators = engine_of(*(recording(seed, 20.0, asked=2.6, most=most) for seed in (0, 1))).simulators
+    driven, new = likelier_driven(simulators, simulators[:1])
+    largest = [np.abs([s.drive.left, s.drive.right]).max() for s in (driven[1], new[0])]
+    assert largest == pytest.approx([1.2810, 1.2138] if followed else [1.0, 1.0], abs=1e-3)
+    assert bool(beyond_told(driven)) is followed
+
+
+def test_drives_within_full_command_are_left_as_they_are():
+    simulators = engine_of(*(recording(seed, 20.0) for seed in (0, 1))).simulators
+    driven, new = likelier_driven(simulators, ())
+    assert driven == simulators
+    assert new == ()
+    assert beyond_told(driven) == []

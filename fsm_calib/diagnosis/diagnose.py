@@ -12,6 +12,7 @@ from fsm_calib.diagnosis.candidates.late_sight import sight_told
 from fsm_calib.diagnosis.candidates.speed_loop import loop_told
 from fsm_calib.diagnosis.candidates.stiffness import stiffness_told
 from fsm_calib.diagnosis.candidates.supply_end import supply_told
+from fsm_calib.diagnosis.fitting.beyond_full import beyond_told, likelier_driven
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
@@ -78,6 +79,7 @@ def diagnose(
     taken = take_in(recordings, holdouts, settings.processes)
     simulators = tuple(make_simulator(prepare(r, settings), world) for r in taken.train)
     new = tuple(make_simulator(prepare(r, settings), world) for r in taken.holdout)
+    simulators, new = likelier_driven(simulators, new)
     read = perf_counter() - began
     found = _findings(earlier)
     decision = decide(simulators, without=without, gates=gates, progress=progress, seed=seed, earlier=found)
@@ -96,6 +98,7 @@ def diagnose(
     notes = (
         *taken.notes,
         *at_bounds(decision.base),
+        *beyond_told(simulators),
         *loop_told(decision.model.fit),
         *supply_told(decision.model.fit),
         *sight_told(decision.model.fit),

@@ -165,7 +165,7 @@ def _clipped(command: CommandTrack | None) -> list[Finding]:
     first = float(command.time[far][0])
     sentence = (
         f"{int(far.sum())} commands lie beyond -1 to 1 (first at {first:.3f} s); a diagnosis drives its simulation "
-        "by full command there"
+        "by full command there, unless the robot clearly followed them"
     )
     return [Finding("command", "unit_slip", sentence, "kept", int(far.sum()), first)]
 

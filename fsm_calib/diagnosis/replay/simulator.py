@@ -234,10 +234,12 @@ def full_speed(recording: Recording) -> float:
     return (robot.max_wheel_rate or NOMINAL_WHEEL_RATE) * (robot.wheel_radius or NOMINAL_RADIUS)
 
 
-def drive_of(recording: Recording, full: float) -> tuple[Drive, bool]:
+def drive_of(recording: Recording, full: float, cut: bool = True) -> tuple[Drive, bool]:
     """Return the wheel commands in units of command 1, and whether they are measured wheel speeds instead; these
-    begin when what they stand for does (`wheel_stamps`). Shares of full command end at full command, as in every
-    driver: a logger notes what was asked for, and what was asked beyond it is no finding.
+    begin when what they stand for does (`wheel_stamps`).
+
+    cut : shares of full command end at full command, as duties do: a logger notes what was asked for, and what was
+    asked beyond it is no finding. A controller may follow it (`fitting/beyond_full.py`).
     """
     robot = recording.robot
     half = 0.5 * (robot.axle_length or NOMINAL_AXLE)
@@ -245,7 +247,10 @@ def drive_of(recording: Recording, full: float) -> tuple[Drive, bool]:
     if recording.command is not None:
         track = recording.command
         if track.unit == "normalized":
-            return Drive(track.time, np.clip(track.left, -1.0, 1.0), np.clip(track.right, -1.0, 1.0)), False
+            most = 1.0 if cut else np.inf
+            return Drive(
+                track.time, np.clip(track.left, -most, most), np.clip(track.right, -most, most)
+            ), False
         return Drive(track.time, track.left * radius / full, track.right * radius / full), False
     if recording.twist is not None:
         twist = recording.twist

@@ -1,0 +1,62 @@
+"""Do commands beyond full command drive the robot faster? Duties end there; speeds that a controller holds need not.
+
+A logger notes what was asked for. Of a duty a bridge gives no more than all, whatever was asked, so that shares of full
+command are cut at 1. A controller follows a set point of 1.15 as long as its supply has some to spare, as most have
+(`candidates/supply_end.py`). Two robots of another engine that were told 1.14 and 1.15 of their full speed for 2 to 3 s
+were said to have a motor that gains 14 % meanwhile (0.78), and to have been pushed (0.95). So where recordings have
+such commands the base robot is fitted both ways, and what was asked drives it where that is clearly likelier; both have
+the same numbers. Of 21 robots of that engine uncut drives win 441, 89, 44, 26, 5, 2 and -2 units of log-likelihood
+under a controller, and 6 to -211 where duties are told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.replay.simulator import Simulator, drive_of
+
+BEYOND = 1.005  # share of full command: less is a logger's rounding
+CLEARLY = 7.0  # log-likelihood units that an uncut drive must win: half of the evidence that an effect needs
+
+Simulators = tuple[Simulator, ...]
+
+
+def likelier_driven(
+    simulators: Sequence[Simulator], new: Sequence[Simulator]
+) -> tuple[Simulators, Simulators]:
+    """Return simulators, and those of recordings held out, driven by what was asked beyond full command or cut there,
+    as the first ones tell.
+    """
+    cut = tuple(simulators), tuple(new)
+    if not any(asks_beyond(s) for s in simulators):
+        return cut
+    uncut = tuple(map(_uncut, simulators)), tuple(map(_uncut, new))
+    won = fit_base(Engine(uncut[0])).score - fit_base(Engine(cut[0])).score
+    return uncut if won > CLEARLY else cut
+
+
+def asks_beyond(simulator: Simulator) -> bool:
+    """Return whether a recording has shares of full command beyond it."""
+    track = simulator.prepared.recording.command
+    if track is None or track.unit != "normalized":
+        return False
+    return float(np.abs([track.left, track.right]).max(initial=0.0)) > BEYOND
+
+
+def _uncut(simulator: Simulator) -> Simulator:
+    """Return a simulator that is driven by all that was asked."""
+    drive, _ = drive_of(simulator.prepared.recording, simulator.full_speed, cut=False)
+    return replace(simulator, drive=drive)
+
+
+def beyond_told(simulators: Sequence[Simulator]) -> list[str]:
+    """Return a sentence where robots were driven by what was asked beyond full command."""
+    most = max(float(np.abs([s.drive.left, s.drive.right]).max(initial=0.0)) for s in simulators)
+    if most <= BEYOND or not any(asks_beyond(s) for s in simulators):
+        return []
+    return [f"commands beyond full command (up to {most:.2f}) drive this robot faster: they are not cut"]
