@@ -13,6 +13,7 @@ import numpy as np
 
 from fsm_calib.diagnosis.replay.simulator import GRID_STEP, Simulator
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import simulate
 
 
@@ -22,7 +23,7 @@ class Situation:
 
     v [m/s], omega [rad/s]: simulated; acceleration [m/s2], spin [rad/s2]; x, y [m], heading [rad] of the path;
     time, age [s] since the last command change; jump_v, jump_w: that change as speeds [m/s, rad/s]; travel [m] since
-    the last reversal; roll (n, 2) wheel angles [rad]; dt [s]; half axle [m].
+    the last reversal; roll (n, 2) wheel angles [rad]; dt [s]; half axle [m]; radii (2,) of left and right wheel [m].
     """
 
     time: FloatArray
@@ -42,11 +43,12 @@ class Situation:
     travel: FloatArray
     roll: FloatArray
     half: float
+    radii: FloatArray
 
 
 def situation(simulator: Simulator, values: FloatArray) -> Situation:
     """Return the situation of every interval, speeds simulated with `values` (p,)."""
-    p = simulator.prepared
+    p, table = simulator.prepared, parameter_table()
     states = simulate(values, simulator.drive, simulator.grid, p.reference[0], simulator.track, 0.005)
     middle = p.time - 0.5 * p.dt
 
@@ -68,7 +70,7 @@ def situation(simulator: Simulator, values: FloatArray) -> Situation:
         jump_w=(jump_r - jump_l) * simulator.full_speed / (2 * half),
         travel=np.interp(middle, time, _travel(states[:, 3])),
         roll=np.column_stack([at(states[:, 6]), at(states[:, 7])]),
-        half=half,
+        half=half, radii=values[[table.place(f"wheel_radius_{side}") for side in ("left", "right")]],
     )  # fmt: skip
 
 

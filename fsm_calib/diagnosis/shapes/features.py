@@ -83,9 +83,8 @@ def body_columns(s: Situation, **speeds: FloatArray) -> FloatArray:
     for k, name in enumerate(("forward", "lateral", "turn")):
         if name in speeds:
             out[:, k] = speeds[name] * s.dt[:, None]
-    radius = 0.0318 * s.half / 0.05
-    out[:, 3] = (out[:, 0] - s.half * out[:, 2]) / radius
-    out[:, 4] = (out[:, 0] + s.half * out[:, 2]) / radius
+    out[:, 3] = (out[:, 0] - s.half * out[:, 2]) / s.radii[0]
+    out[:, 4] = (out[:, 0] + s.half * out[:, 2]) / s.radii[1]
     return out
 
 
