@@ -16,24 +16,24 @@ ALIKE = {"gain_left": 0.6, "gain_right": 0.6}
 
 
 def straight(**changes):
-    """Return time [s], way [m] and speed [m/s] of a robot that drives straight ahead for 20 s."""
+    """Return way [m] and speed [m/s] of a robot that drives straight ahead for 20 s."""
     grid = np.arange(0.0, 20.0, 0.01)
     states = simulate(robot(**ALIKE, **changes), Drive(np.array([0.0]), [0.4], [0.4]), grid, (0.0, 0.0, 0.0))
-    return grid, states[:, 0], states[:, 3]
+    return states[:, 0], states[:, 3]
 
 
 def test_a_clean_caster_does_not_drag_and_after_many_times_its_way_it_drags_as_a_steady_one_does():
-    early = [float(speed[100]) for _, _, speed in (straight(), straight(**HAIR), straight(**STEADY))]
-    late = [float(speed[-1]) for _, _, speed in (straight(), straight(**HAIR), straight(**STEADY))]
+    speeds = [straight(**caster)[1] for caster in ({}, HAIR, STEADY)]
+    early, late = ([float(speed[row]) for speed in speeds] for row in (100, -1))
     assert early[1] == pytest.approx(early[0] - 0.14 * (early[0] - early[2]), abs=0.01 * early[0])
     assert late[1] == pytest.approx(late[2], abs=0.06 * (late[0] - late[2]))
 
 
 def test_the_drag_after_its_way_is_the_share_that_its_equation_says():
     """At an even pace what brakes the robot is in proportion to the speed it lacks."""
-    _, way, speed = straight(**HAIR)
-    lacks = straight()[2][-1] - speed[300:]
-    share = lacks / (straight()[2][-1] - straight(**STEADY)[2][-1])
+    way, speed = straight(**HAIR)
+    free, dragged = (straight(**caster)[1][-1] for caster in ({}, STEADY))
+    share = (free - speed[300:]) / (free - dragged)
     assert share == pytest.approx(1.0 - np.exp(-way[300:] / WOUND), abs=0.05)
 
 

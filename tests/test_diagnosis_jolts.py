@@ -1,5 +1,6 @@
 """An event in the moment that jolts the robot most is rather a patch on inexact laws than a push."""
 
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,9 +8,19 @@ import pytest
 from diagnosis_robots import engine_of, recording
 from scipy.integrate import quad
 
-from fsm_calib.diagnosis.candidates.jolts import AFTER, BEFORE, _motion, against_patch, density, is_quiet
+from fsm_calib.diagnosis.candidates.jolts import (
+    AFTER,
+    BEFORE,
+    TOO_JOLTED,
+    _motion,
+    against_patch,
+    density,
+    is_quiet,
+)
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
+from fsm_calib.diagnosis.verdict.posterior import SURE
 from fsm_calib.world2d.effects.numbered import numbered
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -60,6 +71,11 @@ def test_an_event_may_not_be_said_where_each_of_its_moments_is_the_hardest_and_m
     hard, quiet = (pushed(values, (1, moment(engine, values, order))) for order in (-1, 0))
     assert not is_quiet(engine, ranked(hard))
     assert is_quiet(engine, ranked(quiet))
+
+
+def test_what_is_too_jolted_takes_the_surest_name_below_what_is_said():
+    said = DEFAULT_GATES.least_confidence
+    assert pytest.approx(SURE - math.log(said / (1.0 - said)), abs=0.05) == TOO_JOLTED
 
 
 def test_a_push_in_a_quiet_moment_keeps_its_name(drives):

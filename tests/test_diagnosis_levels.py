@@ -10,7 +10,8 @@ from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.plausible import passes_whole
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.beyond_full import beyond_told, likelier_driven
+from fsm_calib.diagnosis.fitting.beyond_full import CLEARLY, beyond_told, likelier_driven
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.simulator import drive_of, full_speed
 from fsm_calib.recording.channels import CommandTrack
 from fsm_calib.world2d.parameters import parameter_table
@@ -74,6 +75,10 @@ def test_what_is_asked_beyond_full_command_drives_the_robot_that_follows_it(most
     largest = [np.abs([s.drive.left, s.drive.right]).max() for s in (driven[1], new[0])]
     assert largest == pytest.approx([1.2810, 1.2138] if followed else [1.0, 1.0], abs=1e-3)
     assert bool(beyond_told(driven)) is followed
+
+
+def test_uncut_drives_must_win_half_of_the_evidence_that_an_effect_needs():
+    assert DEFAULT_GATES.detect == 2.0 * CLEARLY
 
 
 def test_drives_within_full_command_are_left_as_they_are():

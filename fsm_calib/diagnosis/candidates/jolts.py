@@ -130,14 +130,11 @@ def _motion(engine: Engine, without: FloatArray, run: int) -> _Motion:
 def _jolts(at: FloatArray, speeds: FloatArray, times: FloatArray) -> FloatArray:
     """Return by how much speeds (n, 3) [m/s] at (n,) [s] change about each of the times (m,) [s]."""
     first, last = np.searchsorted(at, times - BEFORE), np.searchsorted(at, times + AFTER, side="right")
-    near = first[:, None] + np.arange(max(int(np.max(last - first, initial=0)), 1))
-    seen = near < last[:, None]
-    window = np.where(seen[..., None], speeds[np.minimum(near, len(at) - 1)], np.nan)
-    sizes = np.zeros(len(times))
-    some = last > first
-    low, high = np.nanmin(window[some], axis=1), np.nanmax(window[some], axis=1)
-    sizes[some] = np.linalg.norm(high - low, axis=1)
-    return sizes
+    sizes = [
+        float(np.linalg.norm(np.ptp(speeds[a:b], axis=0))) if b > a else 0.0
+        for a, b in zip(first, last, strict=True)
+    ]
+    return np.array(sizes)
 
 
 def _apart(at: FloatArray, wheels: FloatArray, times: FloatArray) -> FloatArray:

@@ -33,7 +33,7 @@ from fsm_calib.world2d.slots import GRAVITY
 
 RADIUS = 0.25  # m: half of a small robot's turn
 SMALL = 0.09  # m: a puddle that both wheels of a small robot hardly pass at once
-RADII = (0.13, 0.18, 0.3, 0.37)  # m, tried where a spot of one of these does best
+RADII = (0.13, 0.18, 0.3, 0.37)  # m, tried where a spot of one of the two above does best
 FIRST_LOSSES = (0.15, 0.5, 0.78)  # tried everywhere
 FIRST_SMALL = (0.3, 0.65)  # the same in small spots
 LOSSES = (0.15, 0.3, 0.5, 0.65, 0.78, 0.88)  # grips to an eighth, tried where the first promise most

@@ -133,7 +133,7 @@ def prior_belief(
 def _own_slots(effect: Effect, values: FloatArray) -> tuple[list[Slot], FloatArray]:
     """Return the strengths that a typical effect moves, and their spread before anything was driven."""
     own = [slot_of(f"{effect.name}.{name}") for name in effect.strengths if effect.parameter(name).fitted][:2]
-    sizes = [PRIOR_SPREAD * abs(effect.parameter(name).typical - effect.parameter(name).null)
+    sizes = [PRIOR_SPREAD * effect.parameter(name).typical_size
              for name in effect.strengths if effect.parameter(name).fitted][:2]  # fmt: skip
     return own, np.array(sizes)
 

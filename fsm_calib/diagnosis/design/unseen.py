@@ -91,7 +91,7 @@ def size_of(effect: Effect, changes: Mapping[str, float]) -> float:
     sizes = [0.0]
     for full, value in changes.items():
         p = effect.parameter(full.split(".")[1])
-        usual = abs(p.typical - p.null) or max((abs(start - p.null) for start in p.starts), default=0.0)
+        usual = p.typical_size or max((abs(start - p.null) for start in p.starts), default=0.0)
         if p.strength and usual > 0.0:
             sizes.append(abs(value - p.null) / usual)
     return max(sizes)

@@ -19,6 +19,8 @@ import numpy as np
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
 from fsm_calib.diagnosis.replay.simulator import Simulator, drive_of
+from fsm_calib.recording.channels import CommandTrack
+from fsm_calib.world2d.rollout import Drive
 
 BEYOND = 1.005  # share of full command: less is a logger's rounding
 CLEARLY = 7.0  # log-likelihood units that an uncut drive must win: half of the evidence that an effect needs
@@ -45,7 +47,7 @@ def asks_beyond(simulator: Simulator) -> bool:
     track = simulator.prepared.recording.command
     if track is None or track.unit != "normalized":
         return False
-    return float(np.abs([track.left, track.right]).max(initial=0.0)) > BEYOND
+    return _largest(track) > BEYOND
 
 
 def _uncut(simulator: Simulator) -> Simulator:
@@ -56,7 +58,12 @@ def _uncut(simulator: Simulator) -> Simulator:
 
 def beyond_told(simulators: Sequence[Simulator]) -> list[str]:
     """Return a sentence where robots were driven by what was asked beyond full command."""
-    most = max(float(np.abs([s.drive.left, s.drive.right]).max(initial=0.0)) for s in simulators)
-    if most <= BEYOND or not any(asks_beyond(s) for s in simulators):
+    most = max((_largest(s.drive) for s in simulators if asks_beyond(s)), default=0.0)
+    if most <= BEYOND:
         return []
     return [f"commands beyond full command (up to {most:.2f}) drive this robot faster: they are not cut"]
+
+
+def _largest(commands: CommandTrack | Drive) -> float:
+    """Return the size [share of full command] of the largest command of either wheel."""
+    return float(np.abs([commands.left, commands.right]).max(initial=0.0))

@@ -82,5 +82,5 @@ def _is_far_off(engine: Engine, fit: Fit, name: str) -> bool:
     scale, table = scale_of(engine.simulators[0]), parameter_table()
     measured = [p for p in registry()[name].parameters if p.strength and p.unit in RULED]
     sizes = [float(np.abs(fit.values[:, table.place(f"{name}.{p.name}")] - p.null).max()) for p in measured]
-    least = [abs(p.typical - p.null) * scale.factor(p.unit) for p in measured]
+    least = [p.typical_size * scale.factor(p.unit) for p in measured]
     return any(size >= typical > 0.0 for size, typical in zip(sizes, least, strict=True))

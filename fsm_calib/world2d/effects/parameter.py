@@ -105,6 +105,11 @@ class Parameter:
     as_built: float = math.nan
 
     @property
+    def typical_size(self) -> float:
+        """How far the typical value is from none [unit]."""
+        return abs(self.typical - self.null)
+
+    @property
     def difference_step(self) -> float:
         """The finite-difference step [unit]."""
-        return self.step or 1e-3 * max(abs(self.typical - self.null), 1e-6)
+        return self.step or 1e-3 * max(self.typical_size, 1e-6)
