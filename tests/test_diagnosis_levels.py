@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis_robots import engine_of, recording
+from diagnosis_robots import GAIN_LEFT, engine_of, recording
 
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.plausible import passes_whole
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.beyond_full import CLEARLY, beyond_told, likelier_driven
+from fsm_calib.diagnosis.identify_in_world import identify_in_world
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.simulator import drive_of, full_speed
 from fsm_calib.recording.channels import CommandTrack
@@ -87,3 +88,11 @@ def test_drives_within_full_command_are_left_as_they_are():
     assert driven == simulators
     assert new == ()
     assert beyond_told(driven) == []
+
+
+@pytest.mark.parametrize("most", [1.0, np.inf])
+def test_a_robot_is_identified_by_what_drives_it(most):
+    """Of 0.66 m/s 0.68 would be found cut, of the robot that follows; 0.64 uncut, of the one that does not."""
+    found = identify_in_world([recording(seed, 20.0, asked=2.6, most=most) for seed in (0, 1)], {})
+    assert found.estimates["speed_at_full_left"].value == pytest.approx(GAIN_LEFT, rel=0.005)
+    assert any("they are not cut" in note for note in found.notes) is (most > 1.0)

@@ -74,6 +74,7 @@ def around(found: Against, simulate: OwnSimulator, seed: int = 0) -> Around:
     new = bool(found.real.holdout_simulators)
     simulators = found.real.holdout_simulators or found.real.decision.engine.simulators
     real, own = found.real.decision.model.fit, found.simulated.decision.model.fit
+    cut = found.simulated.decision.engine.simulators[0].cut
     rng = np.random.default_rng(seed)
     before: list[Windows] = []
     after: list[Windows] = []
@@ -83,7 +84,7 @@ def around(found: Against, simulate: OwnSimulator, seed: int = 0) -> Around:
         with_all = simulator.increments(values)[0]
         seen, path = driven(simulate, p.recording, rng)
         exact = increments_of(poses_at(path, p.time), with_all)
-        without = simulator.increments(_described(seen, simulator, own))[0]
+        without = simulator.increments(_described(seen, simulator, own, cut))[0]
         before.append(prediction_windows(p, real.noise, exact))
         after.append(prediction_windows(p, real.noise, exact + with_all - without))
     return Around(
@@ -101,7 +102,9 @@ def increments_of(poses: FloatArray, like: FloatArray) -> FloatArray:
     return out
 
 
-def _described(seen: Recording, real: Simulator, fit: Fit) -> FloatArray:
-    """Return our model of the simulator (1, p) for one drive: its own phases are found in what it drove."""
-    own = make_simulator(prepare(seen, real.prepared.settings), real.world)
+def _described(seen: Recording, real: Simulator, fit: Fit, cut: bool) -> FloatArray:
+    """Return our model of the simulator (1, p) for one drive: its own phases are found in what it drove, by commands
+    that end at full command or not, as its own drives told.
+    """
+    own = make_simulator(prepare(seen, real.prepared.settings), real.world, cut=cut)
     return on_new_recording(Engine((own,)), fit)

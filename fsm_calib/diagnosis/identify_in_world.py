@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.beyond_full import beyond_told, likelier_driven
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
@@ -51,7 +52,7 @@ def identify_in_world(recordings: Sequence[Recording], world: Mapping[str, float
         A recording has no poses with headings, too few of them, or no input.
     """
     taken = take_in(recordings)
-    simulators = tuple(make_simulator(prepare(r), world) for r in taken.train)
+    simulators, _ = likelier_driven([make_simulator(prepare(r), world) for r in taken.train], ())
     engine = Engine(simulators)
     fit = fit_base(engine, tuple(SENSOR_SLOTS.values()))
     errors = compare(simulators, fit, fit, new=False).after
@@ -62,7 +63,12 @@ def identify_in_world(recordings: Sequence[Recording], world: Mapping[str, float
         "error_2s_theta_rad": errors.theta_rad,
         "rows": float(engine.count),
     }
-    notes = [*taken.notes, *at_bounds(fit), f"effects of the world, as it states them: {_stated(fit, world)}"]
+    notes = [
+        *taken.notes,
+        *at_bounds(fit),
+        *beyond_told(simulators),
+        f"effects of the world, as it states them: {_stated(fit, world)}",
+    ]
     findings = tuple(finding for r in recordings for finding in r.checks)
     return Identification(
         recordings[0].robot.name, "the world's own physics", dict(_estimates(simulators, fit)), residual, tuple(notes),

@@ -12,13 +12,12 @@ under a controller, and 6 to -211 where duties are told.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine
-from fsm_calib.diagnosis.replay.simulator import Simulator, drive_of
+from fsm_calib.diagnosis.replay.simulator import Simulator, make_simulator
 from fsm_calib.recording.channels import CommandTrack
 from fsm_calib.world2d.rollout import Drive
 
@@ -52,8 +51,7 @@ def asks_beyond(simulator: Simulator) -> bool:
 
 def _uncut(simulator: Simulator) -> Simulator:
     """Return a simulator that is driven by all that was asked."""
-    drive, _ = drive_of(simulator.prepared.recording, simulator.full_speed, cut=False)
-    return replace(simulator, drive=drive)
+    return make_simulator(simulator.prepared, simulator.world, cut=False)
 
 
 def beyond_told(simulators: Sequence[Simulator]) -> list[str]:

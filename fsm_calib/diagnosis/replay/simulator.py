@@ -41,7 +41,8 @@ class Simulator:
     """One recording's commands, sample times and exogenous track, ready to be rolled out again and again.
 
     measured_input : the drive is made of measured wheel speeds, not of commands. full_speed [m/s]: rim speed of
-    command 1. world: physics that the simulation has beyond the base robot, values by full name.
+    command 1. world: physics that the simulation has beyond the base robot, values by full name. cut : commands end at
+    full command (`drive_of`).
     """
 
     prepared: Prepared
@@ -51,6 +52,7 @@ class Simulator:
     full_speed: float
     measured_input: bool
     world: Mapping[str, float] = field(default_factory=dict)
+    cut: bool = True
 
     def increments(self, values: FloatArray) -> FloatArray:
         """Return increments (forward, left [m], turn, wheel left, right [rad]) of k parameter vectors.
@@ -198,8 +200,11 @@ def sample_increments(states, begin, step, pose_time, wheel_time, out):  # type:
         pc, ps = ca * dc - sa * ds, sa * dc + ca * ds
 
 
-def make_simulator(prepared: Prepared, world: Mapping[str, float] | None = None) -> Simulator:
-    """Return the simulator of a recording; `world` is physics that it has beyond the base robot, by full name.
+def make_simulator(
+    prepared: Prepared, world: Mapping[str, float] | None = None, *, cut: bool = True
+) -> Simulator:
+    """Return the simulator of a recording; `world` is physics that it has beyond the base robot, by full name, and
+    `cut` tells whether its commands end at full command (`drive_of`).
 
     Raises
     ------
@@ -208,9 +213,9 @@ def make_simulator(prepared: Prepared, world: Mapping[str, float] | None = None)
     """
     recording = prepared.recording
     full = full_speed(recording)
-    drive, measured = drive_of(recording, full)
+    drive, measured = drive_of(recording, full, cut)
     grid = np.arange(prepared.time[0] - LEAD_TIME, prepared.time[-1] + 2 * GRID_STEP, GRID_STEP)
-    return Simulator(prepared, drive, grid, track_of(prepared), full, measured, dict(world or {}))
+    return Simulator(prepared, drive, grid, track_of(prepared), full, measured, dict(world or {}), cut)
 
 
 def scale_of(simulator: Simulator) -> Scale:
