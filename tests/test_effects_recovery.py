@@ -113,6 +113,12 @@ FLAT = {
 }
 """Closures whose likelihood is flat in some way where a drive has few commands and none above 0.6;
 `test_effects_threshold` and `test_effects_gain_table` find their sizes."""
+SLACK = {
+    ("motor_reverse_asymmetry", "stiff gears"): 0.025,
+    ("motor_reverse_asymmetry", "rubbing gears"): 0.025,
+}
+"""Friction that begins as a wheel turns over, within a step of the roll-out, is there from the next on: half a step
+late of some 0.2 s in which a robot is brought up to speed again. Of others it is 0.005 of a size."""
 CLOSURES = [
     pytest.param(e.name, c, id=f"{e.name}-{c.name}")
     for e in registry().values()
@@ -128,7 +134,9 @@ CLOSURES = [
 def test_another_closures_parameters_are_recovered_too(name, closure):
     sizes = {f"{name}.{p}": value for p, value in of_one_closure(effect(name), closure).items()}
     placed = {f"{name}.{p}": value for p, value in WITHIN_REACH.get(name, {}).items()}
-    assert_recovered(name, parameters({**BASE, **placed, **sizes}), list(sizes), slack=0.005)
+    assert_recovered(
+        name, parameters({**BASE, **placed, **sizes}), list(sizes), SLACK.get((name, closure.name), 0.005)
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)

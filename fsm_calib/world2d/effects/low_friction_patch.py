@@ -22,6 +22,9 @@ from fsm_calib.world2d.effects.places import (
 )
 from fsm_calib.world2d.slots import GRIP
 
+LEAST_LOSS = 0.2
+"""Loss of grip: on one clean floor friction differs by a tenth or two from place to place. Nine true spots of robots of
+others' physics lose 0.43 to 0.87, three that were none, in the place of what is inexact in tyres, 0.15 to 0.17."""
 SLIDE_DOUBT = 0.06  # m: a slide is chaotic, and its likelihood flat in the spot's place (20 concealed spots)
 
 
@@ -51,6 +54,7 @@ EFFECT = Effect(
             starts=(0.8, 0.95),
             step=1e-3,
             natural_end=True,
+            least=LEAST_LOSS,
             doubt=0.07,  # a tyre's law of slipping stands for another's
         ),
         *centre_parameters("s", SLIDE_DOUBT),

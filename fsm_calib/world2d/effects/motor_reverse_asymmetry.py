@@ -4,6 +4,7 @@ r"""A motor is weaker (or stronger) backwards than forwards.
     u_effective = u (1 - loss -+ difference / 2)  u < 0, left -, right +
     u_effective = u + drop_i tanh(|u| / 0.05)     u < 0, as a voltage drop
     T_i -> T_i / (1 + flux_i),    D_i -> D_i (1 + flux_i)^2       w_i < 0, as another motor constant
+    R F_i = tau_i - (stiff_i + rub_i |tau_i|) sgn(w_i)            w_i < 0, as gears that press on a washer
 
 loss [1]: mean over both motors; difference [1]: what the left motor loses more than the right one; drop [1]: a
 piece of the command that a junction in the way of the reverse current takes, whole from 0.1 of the command on.
@@ -11,8 +12,12 @@ flux [1]: how much larger the motor's constant k is while it turns backwards, w 
 set for one direction cut the armature at another angle in the other; speed and torque both go by k, so that the no-load
 speed T [m/s] falls with 1 / k, and the slope D [N s/m] of the torque grows with k^2: slower, but stiffer. Brushed
 motors with advanced brushes run 2 to 15 % slower one way; the two motors of a robot are mounted as mirror images.
+stiff [N m], rub [1]: dry friction of a gear train that turns backwards, and its share of the torque tau [N m] that it
+passes; R [m] wheel radius, F [N] force at the rim. Helical and worm gears press along their shafts, one way on a
+bearing and the other way on a washer; a worn seal or a tilted brush takes a constant part.
 Source: Hughes & Drury, Electric Motors and Drives, 5th ed., sections 3.2 (brush shift, k = K phi) and 2.4 (voltage
-drops of devices).
+drops of devices); Shigley, Mechanical Engineering Design, 9th ed., sections 13-10 and 13-11 (axial thrust of helical
+and worm gears).
 """
 
 from __future__ import annotations
@@ -23,7 +28,7 @@ from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.wheels import of_each_wheel
-from fsm_calib.world2d.slots import DRIVE, RIM, TARGET
+from fsm_calib.world2d.slots import DRIVE, DRY, RADIUS, RIM, TARGET
 
 FULL_DROP = 0.05
 """Command at which 76 % of a junction's drop are there [1] (assumed)."""
@@ -39,14 +44,16 @@ def weaken(P, o, u, side):
 
 
 @njit(error_model="numpy")
-def turn_by_flux(P, o, S, m, W):
-    """Give motors that turn backwards, or start to, their other constant."""
+def turn_backwards(P, o, S, m, W):
+    """Give motors that turn backwards, or start to, their other constant, and the friction of their gears."""
     for side in range(2):
         rim = S[RIM + side]
         if rim < 0.0 or (rim == 0.0 and W[TARGET + side] < 0.0):
             k = 1.0 + P[o + 5 + side]
             W[TARGET + side] /= k
             W[DRIVE + side] *= k * k
+            rub = P[o + 9 + side] * abs(W[DRIVE + side] * (W[TARGET + side] - S[RIM + side]))
+            W[DRY + side] += P[o + 7 + side] / W[RADIUS + side] + rub
 
 
 EFFECT = Effect(
@@ -84,8 +91,18 @@ EFFECT = Effect(
         *of_each_wheel(
             Parameter("flux", "phi", "1", 0.0, -0.4, 0.6, 0.0, "brush shift: 2 to 20 %", starts=(0.1, -0.1))
         ),
+        *of_each_wheel(
+            Parameter(
+                "stiff", "tau_b", "N m", 0.0, 0.0, 0.1, 0.0, "3 to 15 % of the stall torque", starts=(0.006,)
+            )
+        ),
+        *of_each_wheel(
+            Parameter(
+                "rub", "1 - eta_b", "1", 0.0, 0.0, 0.9, 0.0, "a washer in place of a bearing", starts=(0.2,)
+            )
+        ),
     ),
-    hooks={"shape": weaken, "step": turn_by_flux},
+    hooks={"shape": weaken, "step": turn_backwards},
     channels=("forward", "turn"),
     regimes=("reverse",),
     separates="changes with the sign of each wheel's command only, at all speeds and places alike",
@@ -120,6 +137,18 @@ EFFECT = Effect(
             "backwards the motors' constant is another",
             sentence="Backwards the motors are slower and stiffer: their constant is larger by {flux_left} (left) and "
             "{flux_right} (right).",
+        ),
+        Closure(
+            "stiff gears",
+            ("stiff_left", "stiff_right"),
+            "backwards the gears have more dry friction",
+            sentence="Backwards dry friction takes {stiff_left} from the left motor and {stiff_right} from the right.",
+        ),
+        Closure(
+            "rubbing gears",
+            ("rub_left", "rub_right"),
+            "backwards the gears lose a share of the torque that they pass",
+            sentence="Backwards the gears lose {rub_left} (left) and {rub_right} (right) of the torque that they pass.",
         ),
     ),
     input="command",
