@@ -12,6 +12,7 @@ from fsm_calib.diagnosis.candidates.hypotheses import (
     hypotheses_of,
     starts_move_all,
 )
+from fsm_calib.diagnosis.candidates.outstanding import RARE
 from fsm_calib.diagnosis.candidates.plausible import stands_out
 from fsm_calib.diagnosis.candidates.ranked import parameters_of
 from fsm_calib.diagnosis.candidates.ranking import Bank
@@ -27,6 +28,7 @@ from fsm_calib.diagnosis.candidates.scan_markers import (
 from fsm_calib.diagnosis.candidates.scan_slides import Slides
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.values import with_values
+from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.prepared import prepare
 from fsm_calib.diagnosis.shapes.score_tests import project, winnings
 from fsm_calib.world2d.effects import registry
@@ -226,6 +228,21 @@ def test_a_push_is_found_and_stands_out_from_other_moments():
 def test_without_a_push_no_moment_stands_out():
     best = bank_of(recording(0), recording(1)).scanner.pushes(registry()["external_push"])[0]
     assert best.chance > 0.01
+
+
+@pytest.mark.parametrize(("chance", "asked"), [(0.9 * RARE, True), (1.1 * RARE, False)])
+def test_a_moment_is_asked_where_chance_hardly_equals_it_and_its_evidence_is_an_effects(chance, asked):
+    push = bank_of(recording(0)).best_of(registry()["external_push"])
+    rare = replace(push, hypothesis=replace(push.hypothesis, chance=chance), evidence=20.0)
+    assert stands_out(rare, 14.0) is asked
+    assert not stands_out(rare, 28.0)
+
+
+def test_what_is_asked_by_chance_may_still_be_said():
+    """Of the odds against a name the chance takes the catalogue's number: 0.18, where 0.67 are the most."""
+    assert (
+        RARE * len(registry()) < 0.5 * (1.0 - DEFAULT_GATES.least_confidence) / DEFAULT_GATES.least_confidence
+    )
 
 
 PATCH = {"loss": 0.75, "x": 0.15, "y": 0.05, "radius": 0.2, "spread": 0.0}

@@ -17,10 +17,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.outstanding import RARE
 from fsm_calib.diagnosis.candidates.ranked import Ranked, parameters_of
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.replay.simulator import Simulator
-from fsm_calib.diagnosis.shapes.score_tests import ALPHA
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.effects.numbered import times_in
@@ -233,4 +233,4 @@ def stands_out(ranked: Ranked, detect: float) -> bool:
     detect : evidence that an effect needs.
     """
     chance = ranked.hypothesis.chance
-    return chance <= 0.0 or (chance <= ALPHA and ranked.evidence >= detect)
+    return chance <= 0.0 or (chance <= RARE and ranked.evidence >= detect)

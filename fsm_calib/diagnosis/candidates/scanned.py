@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 from fsm_calib.diagnosis.candidates.candidate import Candidate
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, asked_for, declared_starts
+from fsm_calib.diagnosis.candidates.outstanding import RARE
 from fsm_calib.diagnosis.candidates.scan import Scanner
 from fsm_calib.diagnosis.candidates.starts import Prober, Start
 from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.fitting.values import with_values
-from fsm_calib.diagnosis.shapes.score_tests import ALPHA
 from fsm_calib.world2d.effects import Closure, Effect
 
 WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
@@ -32,7 +32,7 @@ def scanned(prober: Prober, scanner: Scanner, effect: Effect) -> Plans:
     best = max((c.promise for c in candidates), default=0.0)
     wanted = max(WORTH_FITTING * best, min(best, FAINT))
     for candidate in candidates:
-        sure = bool(candidate.each) and candidate.chance <= ALPHA
+        sure = bool(candidate.each) and candidate.chance <= RARE
         if (candidate.promise < wanted and not sure) or scanner.hopeless(candidate.promise):
             continue
         if candidate.each:

@@ -11,10 +11,11 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from fsm_calib.diagnosis.candidates.hypotheses import has_phase, is_event
+from fsm_calib.diagnosis.candidates.outstanding import RARE
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.proof.form_test import Remainder
 from fsm_calib.diagnosis.shapes.features import feature_groups
-from fsm_calib.diagnosis.shapes.score_tests import ALPHA, surprising, tested
+from fsm_calib.diagnosis.shapes.score_tests import surprising, tested
 from fsm_calib.world2d.effects import Effect
 
 PLACES = {"place", "place and heading"}
@@ -57,6 +58,6 @@ def standing_out(bank: Bank, effects: Sequence[Effect], needed: float) -> set[st
     for effect in (e for e in effects if e.when == "moment"):
         for moment in bank.scanner.candidates(effect):
             evidence = 2.0 * moment.promise - price * moment.size
-            if evidence >= needed and moment.chance <= ALPHA:
+            if evidence >= needed and moment.chance <= RARE:
                 found.add(effect.name)
     return found
