@@ -84,16 +84,26 @@ def has_size(ranked: Ranked) -> bool:
 
 
 def is_as_built(ranked: Ranked) -> bool:
-    """Return whether all strengths that an effect frees are as robots are built (`Parameter.as_built`).
+    """Return whether all strengths that an effect frees are as robots are built (`Parameter.as_built`), and what else
+    it frees is at its least.
 
     A robot whose motors are 1.1 times as strong in reverse has a supply that ends at 1.02 of full command: any bridge
-    ends where its pulses fill the time.
+    ends where its pulses fill the time, behind the least gain of a loop. Behind one that has a gain it starves it.
     """
     effect, values = registry()[ranked.name], parameters_of(ranked)
-    freed = [p for p in map(effect.parameter, ranked.hypothesis.names) if p.strength]
-    return bool(freed) and all(
-        bool(np.all((values[p.name] - p.as_built) * (p.null - p.as_built) >= 0.0)) for p in freed
-    )
+    freed = [effect.parameter(name) for name in ranked.hypothesis.names]
+    strengths = [p for p in freed if p.strength]
+    if not strengths or not all(_rests_low(ranked, p) for p in freed if not p.strength):
+        return False
+    return all(bool(np.all((values[p.name] - p.as_built) * (p.null - p.as_built) >= 0.0)) for p in strengths)
+
+
+def _rests_low(ranked: Ranked, parameter: Parameter) -> bool:
+    """Return whether a number of an effect rests at its low bound."""
+    place = parameter_table().place(f"{ranked.name}.{parameter.name}")
+    slots = [slot for slot in ranked.fit.slots if slot.place == place]
+    values = ranked.fit.values[:, place]
+    return any(bool(np.all(np.abs(values - s.low) < AT_BOUND * (s.high - s.low))) for s in slots)
 
 
 def passes_whole(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:

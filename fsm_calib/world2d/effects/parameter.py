@@ -62,7 +62,8 @@ class Parameter:
         and no size to be named.
     as_built : float
         A value that robots are built with: a fit between it and the null value stays in the model, where it may be
-        needed beside another effect, and has no name; nan for none.
+        needed beside another effect, and has no name where the closure's other numbers rest at their least; nan for
+        none.
     rugged : bool
         Whether a fit stays on the hill where this number starts, so that one that has ended is tried from the other
         starts, too.
