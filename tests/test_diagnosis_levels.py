@@ -1,16 +1,18 @@
 """Commands as they reach the motors: an edge that is there for the fit's sake, and shares beyond full command."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from diagnosis_robots import GAIN_LEFT, engine_of, recording
 
+from fsm_calib.diagnosis.candidates import beyond_full
+from fsm_calib.diagnosis.candidates.beyond_full import CLEARLY, beyond_told, likelier_driven
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis
 from fsm_calib.diagnosis.candidates.plausible import passes_whole
 from fsm_calib.diagnosis.candidates.ranked import Ranked
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.beyond_full import CLEARLY, beyond_told, likelier_driven
 from fsm_calib.diagnosis.identify_in_world import identify_in_world
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES
 from fsm_calib.diagnosis.replay.simulator import drive_of, full_speed
@@ -76,6 +78,20 @@ def test_what_is_asked_beyond_full_command_drives_the_robot_that_follows_it(most
     largest = [np.abs([s.drive.left, s.drive.right]).max() for s in (driven[1], new[0])]
     assert largest == pytest.approx([1.2810, 1.2138] if followed else [1.0, 1.0], abs=1e-3)
     assert bool(beyond_told(driven)) is followed
+
+
+@pytest.mark.parametrize(
+    ("plain", "whole", "followed"),
+    [(5.0, 30.0, True), (5.0, 5.0, False), (30.0, 0.0, True), (-30.0, 30.0, False)],
+)
+def test_where_the_plain_base_robot_leaves_it_open_the_whole_one_decides(monkeypatch, plain, whole, followed):
+    def winning(units):
+        return lambda engine, *further: SimpleNamespace(score=0.0 if engine.simulators[0].cut else units)
+
+    monkeypatch.setattr(beyond_full, "fit_base", winning(plain))
+    monkeypatch.setattr(beyond_full, "fit_whole_base", winning(whole))
+    driven, _ = likelier_driven(engine_of(recording(0, 20.0, asked=2.6)).simulators, ())
+    assert driven[0].cut is not followed
 
 
 def test_uncut_drives_must_win_half_of_the_evidence_that_an_effect_needs():

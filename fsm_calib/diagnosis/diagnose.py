@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
+from fsm_calib.diagnosis.candidates.beyond_full import beyond_told, likelier_driven
 from fsm_calib.diagnosis.candidates.charge import charges_told
 from fsm_calib.diagnosis.candidates.jitter import jitter_told
 from fsm_calib.diagnosis.candidates.late_sight import sight_told
 from fsm_calib.diagnosis.candidates.speed_loop import loop_told
 from fsm_calib.diagnosis.candidates.stiffness import stiffness_told
 from fsm_calib.diagnosis.candidates.supply_end import supply_told
-from fsm_calib.diagnosis.fitting.beyond_full import beyond_told, likelier_driven
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates

@@ -244,7 +244,7 @@ def drive_of(recording: Recording, full: float, cut: bool = True) -> tuple[Drive
     begin when what they stand for does (`wheel_stamps`).
 
     cut : shares of full command end at full command, as duties do: a logger notes what was asked for, and what was
-    asked beyond it is no finding. A controller may follow it (`fitting/beyond_full.py`).
+    asked beyond it is no finding. A controller may follow it (`candidates/beyond_full.py`).
     """
     robot = recording.robot
     half = 0.5 * (robot.axle_length or NOMINAL_AXLE)

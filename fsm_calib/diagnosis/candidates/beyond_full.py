@@ -4,21 +4,27 @@ A logger notes what was asked for. Of a duty a bridge gives no more than all, wh
 command are cut at 1. A controller follows a set point of 1.15 as long as its supply has some to spare, as most have
 (`candidates/supply_end.py`). Two robots of another engine that were told 1.14 and 1.15 of their full speed for 2 to 3 s
 were said to have a motor that gains 14 % meanwhile (0.78), and to have been pushed (0.95). So where recordings have
-such commands the base robot is fitted both ways, and what was asked drives it where that is clearly likelier; both have
-the same numbers. Of 21 robots of that engine uncut drives win 441, 89, 44, 26, 5, 2 and -2 units of log-likelihood
-under a controller, and 6 to -211 where duties are told.
+such commands the base robot is fitted both ways, and what was asked drives it where that is clearly likelier; both
+have the same numbers. Where neither is, all that a base robot may have decides: a controller that sees late won 5 units
+as a plain base robot by 1.15 of full command for 2.4 s, and 413 with its loop; cut, it was said to have been pushed
+(0.94). Of 48 robots of that engine the plain base robot is clear of 26: uncut it wins 8 to 441 units of log-likelihood
+under ten controllers (-570 under one), and -8 to -211 where duties are told (17 of one). Of the others the whole one
+wins 413, 35, 26 and no more than 2.3 under a controller, and 6.4 at most where duties are told.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from fsm_calib.diagnosis.candidates.rivals import Banks
+from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import fit_base
-from fsm_calib.diagnosis.fitting.fit import Engine
+from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.replay.simulator import Simulator, make_simulator
 from fsm_calib.recording.channels import CommandTrack
+from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.rollout import Drive
 
 BEYOND = 1.005  # share of full command: less is a logger's rounding
@@ -37,8 +43,20 @@ def likelier_driven(
     if not any(asks_beyond(s) for s in simulators):
         return cut
     uncut = tuple(map(_uncut, simulators)), tuple(map(_uncut, new))
-    won = fit_base(Engine(uncut[0])).score - fit_base(Engine(cut[0])).score
+    won = _won(uncut[0], cut[0], fit_base)
+    if abs(won) <= CLEARLY:
+        won = _won(uncut[0], cut[0], _whole)
     return uncut if won > CLEARLY else cut
+
+
+def _won(simulators: Simulators, others: Simulators, fitted: Callable[[Engine], Fit]) -> float:
+    """Return the log-likelihood that a robot of some simulators wins over that of others."""
+    return fitted(Engine(simulators)).score - fitted(Engine(others)).score
+
+
+def _whole(engine: Engine) -> Fit:
+    """Return the base robot with all that it may have."""
+    return fit_whole_base(engine, list(registry().values()), Banks())
 
 
 def asks_beyond(simulator: Simulator) -> bool:
