@@ -94,7 +94,7 @@ def test_where_the_plain_base_robot_leaves_it_open_the_whole_one_decides(monkeyp
     assert driven[0].cut is not followed
 
 
-def test_uncut_drives_must_win_half_of_the_evidence_that_an_effect_needs():
+def test_uncut_drives_must_win_the_evidence_that_an_effect_needs():
     assert DEFAULT_GATES.detect == 2.0 * CLEARLY
 
 

@@ -14,8 +14,6 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table, parameters
 
 SUPPLY = registry()["command_saturation"].closure("end of supply")
-
-
 LOOP = registry()["command_saturation"].parameter("loop")
 SAID = ["command_saturation"]
 

@@ -18,7 +18,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.rivals import Banks
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
@@ -28,7 +27,9 @@ from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.rollout import Drive
 
 BEYOND = 1.005  # share of full command: less is a logger's rounding
-CLEARLY = 7.0  # log-likelihood units that an uncut drive must win: half of the evidence that an effect needs
+CLEARLY = (
+    7.0  # log-likelihood units that an uncut drive must win: as evidence, twice that, what an effect needs
+)
 
 Simulators = tuple[Simulator, ...]
 
@@ -56,7 +57,7 @@ def _won(simulators: Simulators, others: Simulators, fitted: Callable[[Engine], 
 
 def _whole(engine: Engine) -> Fit:
     """Return the base robot with all that it may have."""
-    return fit_whole_base(engine, list(registry().values()), Banks())
+    return fit_whole_base(engine, list(registry().values()))
 
 
 def asks_beyond(simulator: Simulator) -> bool:

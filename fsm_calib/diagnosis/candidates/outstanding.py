@@ -14,9 +14,7 @@ from fsm_calib.diagnosis.shapes.score_tests import ALPHA
 
 CLEARLY = 0.6  # of what the next moment wins
 MOMENTS = 9  # the next best ones, by which it is told how fast they fall off
-RARE = (
-    2.0 * ALPHA
-)  # chance of a moment up to which it is asked: what it is worth is weighed in its probability again
+RARE = 2.0 * ALPHA  # chance up to which a moment is asked: the odds of its name count it once more
 LEAST_FALL = 1.0  # log-likelihood units: the tail of half a chi-squared, where equations are exact
 
 

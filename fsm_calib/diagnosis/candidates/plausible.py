@@ -73,7 +73,7 @@ def has_size(ranked: Ranked) -> bool:
             continue
         place = table.place(f"{ranked.name}.{name}")
         values = ranked.fit.values[:, place]
-        low, high = next(((s.low, s.high) for s in ranked.fit.slots if s.place == place), (p.low, p.high))
+        low, high = _bounds(ranked, p)
         upper = [high] if p.strength and not p.natural_end else []
         ends = [end for end in (low, *upper) if end != p.null]
         if p.strength:
@@ -81,6 +81,13 @@ def has_size(ranked: Ranked) -> bool:
         if any(np.any(np.abs(values - end) < AT_BOUND * (high - low)) for end in ends):
             return False
     return any(told) or not told
+
+
+def _bounds(ranked: Ranked, parameter: Parameter) -> tuple[float, float]:
+    """Return the bounds of an effect's number in its fit, the declared ones where it is not free there."""
+    place = parameter_table().place(f"{ranked.name}.{parameter.name}")
+    free = ((slot.low, slot.high) for slot in ranked.fit.slots if slot.place == place)
+    return next(free, (parameter.low, parameter.high))
 
 
 def is_as_built(ranked: Ranked) -> bool:
@@ -93,17 +100,13 @@ def is_as_built(ranked: Ranked) -> bool:
     effect, values = registry()[ranked.name], parameters_of(ranked)
     freed = [effect.parameter(name) for name in ranked.hypothesis.names]
     strengths = [p for p in freed if p.strength]
-    if not strengths or not all(_rests_low(ranked, p) for p in freed if not p.strength):
-        return False
-    return all(bool(np.all((values[p.name] - p.as_built) * (p.null - p.as_built) >= 0.0)) for p in strengths)
-
-
-def _rests_low(ranked: Ranked, parameter: Parameter) -> bool:
-    """Return whether a number of an effect rests at its low bound."""
-    place = parameter_table().place(f"{ranked.name}.{parameter.name}")
-    slots = [slot for slot in ranked.fit.slots if slot.place == place]
-    values = ranked.fit.values[:, place]
-    return any(bool(np.all(np.abs(values - s.low) < AT_BOUND * (s.high - s.low))) for s in slots)
+    for p in freed:
+        low, high = _bounds(ranked, p)
+        if not p.strength and np.any(np.abs(values[p.name] - low) >= AT_BOUND * (high - low)):
+            return False
+    return bool(strengths) and all(
+        bool(np.all((values[p.name] - p.as_built) * (p.null - p.as_built) >= 0.0)) for p in strengths
+    )
 
 
 def passes_whole(ranked: Ranked, simulators: Sequence[Simulator]) -> bool:
