@@ -22,8 +22,8 @@ NOMINAL = 0.0318 * 20.0
 """Rim speed of command 1 [m/s]."""
 
 
-def numbers(smoothing: float) -> np.ndarray:
-    return np.array([0.0, smoothing])
+def numbers(smoothing: float, apart: float = 0.0) -> np.ndarray:
+    return np.array([0.0, smoothing, apart])
 
 
 def test_a_step_is_answered_exponentially():
@@ -42,6 +42,31 @@ def test_steady_motion_is_held_back_by_the_time_constant():
     path = np.outer(times, [0.3, -0.1, 2.0])
     after = filtered(numbers(TAU), times, path)
     assert after[-1] == pytest.approx(path[-1] - TAU * np.array([0.3, -0.1, 2.0]), abs=1e-9)
+
+
+def test_headings_behind_a_faster_filter_are_held_back_by_less():
+    times = np.arange(0.0, 3.0, 0.03)
+    path = np.outer(times, [0.3, -0.1, 2.0])
+    after = filtered(numbers(TAU, 0.05), times, path)
+    assert after[-1, :2] == pytest.approx(path[-1, :2] - TAU * np.array([0.3, -0.1]), abs=1e-9)
+    assert after[-1, 2] == pytest.approx(path[-1, 2] - (TAU - 0.05) * 2.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("smoothing", "apart", "earlier"), [(0.0, 0.05, 0.05), (0.0, -0.05, -0.05), (0.04, 0.1, 0.06)]
+)
+def test_headings_without_a_filter_are_shifted_in_time(smoothing: float, apart: float, earlier: float):
+    times = np.arange(0.0, 3.0, 0.01)
+    path = np.column_stack([times, times, np.sin(times)])
+    after = filtered(numbers(smoothing, apart), times, path)
+    inside = (times > 0.2) & (times < 2.8)
+    assert after[inside, 2] == pytest.approx(np.sin(times + earlier)[inside], abs=1e-4)
+
+
+def test_headings_as_late_as_places_pass_the_same_filter():
+    times, path = np.arange(20.0), np.random.default_rng(4).normal(size=(20, 3))
+    apart = filtered(numbers(2.0, 1e-12), times, path)
+    assert apart == pytest.approx(filtered(numbers(2.0), times, path), abs=1e-9)
 
 
 def test_no_time_constant_leaves_poses_as_they_are():
@@ -97,3 +122,12 @@ def test_a_filter_is_told_from_a_delay():
     place = parameter_table().place("observation_delay.smoothing")
     [(found, variance)] = [(x, v) for slot, x, v in belief.effect.fit.numbers() if slot.place == place]
     assert found == pytest.approx(TAU, abs=3.0 * variance**0.5)
+
+
+def test_places_behind_a_slower_filter_than_headings_are_told():
+    hidden = {**LATE, "observation_delay.apart": 0.07}
+    [belief] = judged(["command_delay", "observation_delay"], **hidden).named
+    assert (belief.name, belief.effect.hypothesis.closure) == ("observation_delay", "smoothed apart")
+    place = parameter_table().place("observation_delay.apart")
+    [(found, variance)] = [(x, v) for slot, x, v in belief.effect.fit.numbers() if slot.place == place]
+    assert found == pytest.approx(0.07, abs=3.0 * variance**0.5)
