@@ -162,6 +162,14 @@ def test_a_centre_of_mass_in_the_key_is_a_right_name_where_its_size_was_found(
     assert wrong_names(said, truth, lenient=True) == wrong
 
 
+@pytest.mark.parametrize(("found", "wrong"), [(0.034, []), (0.06, ["caster_drag"])])
+def test_a_ball_that_slides_as_it_was_built_is_a_right_name(found: float, wrong: list[str]) -> None:
+    truth = key("plain", ["sensor_yaw"], engine="rapier", robot={"caster_friction": 0.037})
+    said = answer(("sensor_yaw", 0.9), ("caster_drag", 0.8))
+    said["effects"][1]["parameters"] = {"drag": {"value": found}}
+    assert wrong_names(said, truth, lenient=True) == wrong
+
+
 def test_score_of_a_small_set_counts_each_row() -> None:
     pairs = [
         (key("plain", ["sensor_yaw"]), answer(("sensor_yaw", 0.95))),

@@ -6,7 +6,7 @@ A name counts as stated when it is in `effects`. It is right when the robot carr
 ambiguity sets holds both it and a name that the robot carries. A name of a small unlabelled departure that the robot does
 carry (a payload where the mass lies behind the axle) is counted apart: neither right nor wrong. Rows "built in" allow what
 every robot of an engine has by construction, too (`BUILT_IN`), and what has the size that was found: a place or an angle in
-the key, the cells' resistance (`found_as_built`).
+the key, the friction of a sliding ball, the cells' resistance (`found_as_built`).
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def built_in(key: dict[str, Any]) -> set[str]:
 
 
 def found_as_built(answer: dict[str, Any], key: dict[str, Any]) -> set[str]:
-    """Return the names whose sizes are as built: centre of mass, the tag's place and angle, the cells' resistance."""
+    """Return the names whose sizes are as built: centre of mass, tag, friction of a sliding ball, cells' resistance."""
     robot, sensing = key.get("robot", {}), key.get("sensing", {})
     built: dict[str, dict[str, float]] = {}
     if "centre_x" in robot:
@@ -100,6 +100,8 @@ def found_as_built(answer: dict[str, Any], key: dict[str, Any]) -> set[str]:
         built["sensor_offset"] = dict(zip("xy", sensing["tag"], strict=True))
     if "tag_yaw" in sensing:
         built["sensor_yaw"] = {"yaw": sensing["tag_yaw"]}
+    if "caster_friction" in robot:
+        built["caster_drag"] = {"drag": robot["caster_friction"]}
     if key.get("engine") in SERIES:
         built["battery_sag"] = {"inner": 0.01}
 
