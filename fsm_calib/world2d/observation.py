@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsm_calib.types import FloatArray, Pose2
 from fsm_calib.world2d.effects import Effect, hooked
@@ -17,10 +18,13 @@ from fsm_calib.world2d.kernel import flag_places
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import FIT_STEP, Drive, active_flags, simulate
 
+Flags = NDArray[np.bool_]
+"""Which effects a vector switches on (`rollout.active_flags`), for callers that know it of many."""
 
-def _active(parameters: FloatArray, stage: str) -> list[tuple[Effect, FloatArray]]:
+
+def _active(parameters: FloatArray, stage: str, on: Flags | None) -> list[tuple[Effect, FloatArray]]:
     """Return the active effects with a hook for the stage, in their order, with their parameters."""
-    on = active_flags(parameters)
+    on = active_flags(parameters) if on is None else on
     first, flags = parameter_table().first, flag_places()
     return [
         (e, parameters[first[e.name] : first[e.name] + len(e.parameters)])
@@ -29,23 +33,27 @@ def _active(parameters: FloatArray, stage: str) -> list[tuple[Effect, FloatArray
     ]
 
 
-def robot_time(parameters: FloatArray, stamps: FloatArray) -> FloatArray:
+def robot_time(parameters: FloatArray, stamps: FloatArray, on: Flags | None = None) -> FloatArray:
     """Return the robot's time [s] at which the poses with the given stamps [s] were true, shape (n,)."""
     time = np.array(stamps, dtype=float)
-    for effect, values in _active(parameters, "clock"):
+    for effect, values in _active(parameters, "clock", on):
         time = effect.hooks["clock"](values, time)
     return time
 
 
-def smoothed(parameters: FloatArray, times: FloatArray, poses: FloatArray) -> FloatArray:
+def smoothed(
+    parameters: FloatArray, times: FloatArray, poses: FloatArray, on: Flags | None = None
+) -> FloatArray:
     """Return what the pose sensor's filter makes of the robot's poses, shape (n, 3), at increasing `times` [s]."""
     seen = np.array(poses, dtype=float)[:, :3]
-    for effect, values in _active(parameters, "smooth"):
+    for effect, values in _active(parameters, "smooth", on):
         seen = effect.hooks["smooth"](values, times, seen)
     return seen
 
 
-def observe(parameters: FloatArray, poses: FloatArray, places: FloatArray | None = None) -> FloatArray:
+def observe(
+    parameters: FloatArray, poses: FloatArray, places: FloatArray | None = None, on: Flags | None = None
+) -> FloatArray:
     """Return what the pose sensor reports for the robot's poses, shape (n, 3) [m, m, rad].
 
     `places`, shape (n, 2) [m], is where the robot is known to have been (for effects of places); default: the
@@ -53,7 +61,7 @@ def observe(parameters: FloatArray, poses: FloatArray, places: FloatArray | None
     """
     measured = np.array(poses, dtype=float)[:, :3]
     where = measured[:, :2].copy() if places is None else np.asarray(places, dtype=float)
-    for effect, values in _active(parameters, "observe"):
+    for effect, values in _active(parameters, "observe", on):
         measured = effect.hooks["observe"](values, measured, where)
     return measured
 

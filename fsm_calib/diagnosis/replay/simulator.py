@@ -18,7 +18,7 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.dynamics import small_rotation
 from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.effects.vocabulary import POSE_HOOKS
-from fsm_calib.world2d.observation import observe, robot_time, smoothed
+from fsm_calib.world2d.observation import Flags, observe, robot_time, smoothed
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.path import Path
 from fsm_calib.world2d.rollout import Drive, active_flags, simulate_many
@@ -101,32 +101,28 @@ class Simulator:
         out = np.empty((len(values), len(time), 5))
         clocked, filtered, seen = (_acts(on, hook) for hook in POSE_HOOKS)
         for i, vector in enumerate(values):
-            seen_at = np.ascontiguousarray(robot_time(vector, p.time)[part]) if clocked[i] else time
+            seen_at = np.ascontiguousarray(robot_time(vector, p.time, on[i])[part]) if clocked[i] else time
             if filtered[i]:
-                states[i] = through_filter(vector, grid, states[i])
+                through_filter(vector, grid, states[i], on[i])
             sample_increments(states[i], grid[0], GRID_STEP, seen_at, time, out[i])
             if seen[i]:
-                through_sensor(vector, reference, out[i])
+                through_sensor(vector, reference, out[i], on[i])
         return out
 
 
-def through_filter(vector: FloatArray, grid: FloatArray, states: FloatArray) -> FloatArray:
-    """Return states (g, 12) at the times `grid` (g,) [s] with poses and twists as the pose sensor's filter has them."""
-    seen = states.copy()
-    seen[:, :3] = smoothed(vector, grid, states[:, :3])
-    rate = np.gradient(seen[:, :3], GRID_STEP, axis=0)
-    c, s = np.cos(seen[:, 2]), np.sin(seen[:, 2])
-    seen[:, 3], seen[:, 4] = c * rate[:, 0] + s * rate[:, 1], c * rate[:, 1] - s * rate[:, 0]
-    seen[:, 5] = rate[:, 2]
-    return seen
+def through_filter(vector: FloatArray, grid: FloatArray, states: FloatArray, on: Flags) -> None:
+    """Give states (g, 12) at the times `grid` (g,) [s] the poses and twists that the pose sensor's filter has."""
+    poses = smoothed(vector, grid, states[:, :3], on)
+    if not np.array_equal(poses, states[:, :3]):  # a delay alone is none
+        retrace(states, poses, GRID_STEP)
 
 
-def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray) -> None:
+def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray, on: Flags) -> None:
     """Turn the robot's increments into the sensor's: s' = c(k-1)^-1 s c(k), c = sensor pose seen from the robot.
 
     Place is taken from the reference path, so that open-loop drift does not matter.
     """
-    mount_and_compose(reference, observe(vector, reference, reference[:, :2]), out)
+    mount_and_compose(reference, observe(vector, reference, reference[:, :2], on), out)
 
 
 @per_catalogue
@@ -138,6 +134,21 @@ def _with_hook(hook: str) -> NDArray[np.bool_]:
 def _acts(on: NDArray[np.bool_], hook: str) -> NDArray[np.bool_]:
     """Return which rows of flags (k, effects) have an effect with a hook `clock`, `smooth` or `observe`, (k,)."""
     return np.asarray((on & _with_hook(hook)).any(axis=1))
+
+
+@njit(cache=True)
+def retrace(states, poses, step):  # type: ignore[no-untyped-def]
+    """Put `poses` (g, 3), a `step` [s] apart, into states (g, 12), with the twists [m/s, m/s, rad/s] between them."""
+    last = len(poses) - 1
+    for k in range(last + 1):
+        before, after = max(k - 1, 0), min(k + 1, last)
+        span = (after - before) * step
+        c, s = np.cos(poses[k, 2]), np.sin(poses[k, 2])
+        dx = (poses[after, 0] - poses[before, 0]) / span
+        dy = (poses[after, 1] - poses[before, 1]) / span
+        states[k, 0], states[k, 1], states[k, 2] = poses[k, 0], poses[k, 1], poses[k, 2]
+        states[k, 3], states[k, 4] = c * dx + s * dy, c * dy - s * dx
+        states[k, 5] = (poses[after, 2] - poses[before, 2]) / span
 
 
 @njit(cache=True)

@@ -21,7 +21,9 @@ BUILDERS = ("speed_controller.hold", "caster_drag.drag")
 """The numbers of a model that tell of a controller, its integral, and of a caster that skids."""
 DELAYS = ("command_delay.delay", "observation_delay.delay")
 """The numbers of a model whose sum alone shows where no wheels are measured."""
-CANCELLED = 0.5  # of the larger of two delays: an opposite one that takes so much of it back is no delay of its own
+CANCELLED = (
+    0.5  # of the larger of two delays: an opposite one that takes so much of it back is no delay of its own
+)
 
 
 def may_be_built_so(numbers: Mapping[str, float]) -> bool:

@@ -56,7 +56,8 @@ def _low_pass(t, x, tau):  # type: ignore[no-untyped-def]
         step = (t[k] - t[k - 1]) / tau
         fades = np.exp(-step)
         mean = (1.0 - fades) / step
-        s[k] = fades * s[k - 1] + (mean - fades) * x[k - 1] + (1.0 - mean) * x[k]
+        for i in range(x.shape[1]):
+            s[k, i] = fades * s[k - 1, i] + (mean - fades) * x[k - 1, i] + (1.0 - mean) * x[k, i]
     return s
 
 
