@@ -13,6 +13,7 @@ from fsm_calib.diagnosis.candidates.late_sight import sight_told
 from fsm_calib.diagnosis.candidates.speed_loop import loop_told
 from fsm_calib.diagnosis.candidates.stiffness import stiffness_told
 from fsm_calib.diagnosis.candidates.supply_end import supply_told
+from fsm_calib.diagnosis.candidates.usual_loop import integral_told
 from fsm_calib.diagnosis.fitting.bounds import at_bounds
 from fsm_calib.diagnosis.intake import take_in
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
@@ -101,6 +102,7 @@ def diagnose(
         *beyond_told(simulators),
         *loop_told(decision.model.fit),
         *supply_told(decision.model.fit),
+        *integral_told(decision.model.fit),
         *sight_told(decision.model.fit),
         *stiffness_told(decision.model.fit),
         *charges_told(decision.model.fit),

@@ -50,7 +50,7 @@ def with_free_loop(engine: Engine, fit: Fit) -> Fit:
     Without the integral what it does counts as noise, so that noise and numbers are fitted in turn from then on.
     """
     alone = with_free(engine, fit, [_hold_slot()], (START,))
-    if not _is_clear(engine, alone, fit):
+    if not is_clear(engine, alone, fit):
         return fit
     tried = alone, _with_weight(engine, fit)
     free = max(
@@ -85,7 +85,7 @@ def with_bare_loop(engine: Engine, fit: Fit, rivals: Rivals) -> Fit:
 
     def freed(fit: Fit) -> Fit:
         free = _with_weight(engine, fit)
-        return with_likelier_rest(engine, settled(engine, free)) if _is_clear(engine, free, fit) else fit
+        return with_likelier_rest(engine, settled(engine, free)) if is_clear(engine, free, fit) else fit
 
     return unless_stood_in(engine, fit, freed, rivals)
 
@@ -99,7 +99,7 @@ def _with_weight(engine: Engine, fit: Fit) -> Fit:
     return with_free(engine, fit, [_hold_slot(), slot_of(WEIGHT)], ((START, BARE),))
 
 
-def _is_clear(engine: Engine, free: Fit, fit: Fit) -> bool:
+def is_clear(engine: Engine, free: Fit, fit: Fit) -> bool:
     """Return whether a freed integral has strong evidence, and is none that would take many seconds."""
     return (
         evidence_of_freed(engine, free, fit) >= NEEDED

@@ -23,6 +23,7 @@ from fsm_calib.diagnosis.candidates.speed_loop import (
 )
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, with_stiffness
 from fsm_calib.diagnosis.candidates.supply_end import CEILING, with_supply_end
+from fsm_calib.diagnosis.candidates.usual_loop import MOST, with_usual_loop
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.verdict.selection import Selector
 
@@ -32,6 +33,7 @@ Freeing = Callable[[Engine, Fit, Rivals], Fit]
 NUMBERS: tuple[tuple[str, Freeing], ...] = (
     (HOLD, with_speed_loop),
     (HOLD, with_bare_loop),
+    (MOST, with_usual_loop),
     (CEILING, with_supply_end),
     (LAG, with_late_sight),
     (STIFFNESS, with_stiffness),

@@ -14,7 +14,8 @@ drops its integral as soon as it is told to rest, however fast the wheel still i
 ends at `ceiling` [1] of the no-load speed at full command (2: never), which cuts what a loop of the gain loop = p [1]
 adds to speed up (`world2d.supply`); there the integral grows no further (Astrom & Hagglund, Advanced PID Control, 2006,
 section 3.5). Below 1.05 set points may be out of reach, which is a finding (`command_saturation`). The integral's
-memory is a way: z = hold (the way asked for - the way rolled).
+memory is a way: z = hold (the way asked for - the way rolled). Firmware may hold it within bounds, |z| <= most K, K
+[m/s] the no-load speed at full command and most [1] the bound (2: none): a load that asks for more slows the wheels.
 
 No controller is at once: it counts ticks over a period, smooths them, and holds what it gives for a period. It sees the
 speed late by `lag` t_f [s], about two periods, and set points act half as late, about one (`WAIT`). The loop's part
@@ -25,8 +26,8 @@ p (w_s - w) is then p (w_s - w_f), so that
 which overshoots after every step of the set point, the more the stiffer the loop is.
 
 Robots that are told velocities (ROS) have one; those that are told duties (a Duckiebot) have none. It is how a robot is
-built, not what is wrong with it: of the base family, set free by `diagnosis.candidates.speed_loop`, `supply_end` and
-`late_sight`.
+built, not what is wrong with it: of the base family, set free by `diagnosis.candidates.speed_loop`, `supply_end`,
+`late_sight` and `usual_loop`.
 Source: Astrom & Murray, Feedback Systems, 2nd ed. 2021, sections 11.1 and 11.5 (weights of the set point).
 """
 
@@ -36,6 +37,7 @@ import math
 
 from numba import njit
 
+from fsm_calib.world2d.dynamics import GAIN
 from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.effects.speed_loop import NEVER, gain_of_the_loop
 from fsm_calib.world2d.slots import ANGLE, CEILING, HELD, RADIUS, RIM, STEP, TARGET
@@ -64,6 +66,9 @@ def hold_speed(P, o, S, m, W):
     for side in range(2):
         way, wanted, rim = m + side, W[TARGET + side], S[RIM + side]
         rolled = W[RADIUS + side] * S[ANGLE + side]
+        if P[o + 7] < NEVER:
+            reach = P[o + 7] * P[GAIN + side] / P[o]
+            S[way] = min(max(S[way], rolled - reach), rolled + reach)
         if abs(wanted) < REST and P[o + 6] > 0.0:
             S[way] = rolled
         elif abs(wanted) < REST and abs(rim) < STILL:
@@ -119,6 +124,10 @@ EFFECT = Effect(
         Parameter(
             "drops", "b", "1", 0.0, 0.0, 1.0, 0.0, "0: at a stand, 1: when told to rest (ROSArduinoBridge, resetPID)",
             strength=False, fitted=False,
+        ),
+        Parameter(
+            "most", "z_max", "1", NEVER, 0.01, 2.0, 2.0, "bounds of integrals (ros_control's i_clamp): 0.1 to 0.5",
+            strength=False, starts=(0.3, 0.1), step=1e-3,
         ),
     ),
     hooks={"delay": wait, "begin": take_hold, "step": hold_speed},
