@@ -76,3 +76,17 @@ def test_a_controller_that_no_load_brings_to_its_ends_is_given_none():
     selector, _, _ = ranked_if_bared(*ranked_on(robot, "coulomb_friction"))
     assert found_free(selector.base, HOLD)
     assert not found_free(selector.base, MOST)
+
+
+def test_a_controller_whose_integral_ends_on_a_slope_is_found_on_the_bare_base():
+    engine = engine_of(*(recording(s, **CONTROLLER, floor_tilt__slope_x=0.06) for s in (0, 1)))
+    fit = with_usual_loop(engine, fit_base(engine), Rivals([]))
+    assert fitted_number(fit, HOLD) == pytest.approx(3.0, rel=0.1)
+    assert fitted_number(fit, MOST) == pytest.approx(0.1, abs=0.01)
+
+
+def test_bounds_that_no_drive_feels_are_not_taken():
+    robot = {"speed_controller__hold": 3.0, "coulomb_friction__friction": 0.005}
+    engine = engine_of(*(recording(seed, **robot) for seed in (0, 1)))
+    base = fit_base(engine)
+    assert with_usual_loop(engine, base, Rivals([])) is base

@@ -29,7 +29,7 @@ def with_supply_end(engine: Engine, base: Fit, rivals: Rivals) -> Fit:
 
     rivals : effects that are asked whether one does as well.
     """
-    if not found_free(base, HOLD):
+    if not found_free(base, HOLD) or found_free(base, CEILING):
         return base
     end = replace(slot_of(CEILING), low=AMPLE, high=NEVER)
 

@@ -1,4 +1,4 @@
-"""A controller as firmware usually has one, whose integral and supply end, tried whole beside the first effect.
+"""A controller as firmware usually has one, whose integral and supply end, tried whole.
 
 Firmware holds the integral within bounds, so that it cannot wind up far: a load that asks for more slows the wheels.
 Where a heavy load stands on the wheels (twin tyres that scrub), a controller shows by what it cannot do: its integral
@@ -14,13 +14,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.free_number import STEPS, SURE, found_free, unless_stood_in, with_held
+from fsm_calib.diagnosis.candidates.free_number import (
+    NEEDED,
+    STEPS,
+    SURE,
+    found_free,
+    unless_stood_in,
+    with_held,
+)
 from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.candidates.speed_loop import CLEARLY, HOLD, SLOWEST, is_clear, with_likelier_rest
 from fsm_calib.diagnosis.candidates.supply_end import CEILING, LOOP
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, settled, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import Slot, with_slots
+from fsm_calib.diagnosis.fitting.wald import wald
 from fsm_calib.world2d.effects.speed_controller import EFFECT
 from fsm_calib.world2d.effects.speed_loop import AMPLE, NEVER
 
@@ -40,9 +48,9 @@ def with_usual_loop(engine: Engine, fit: Fit, rivals: Rivals) -> Fit:
 
     def freed(fit: Fit) -> Fit:
         free = _where_it_ends(engine, _with_all_free(engine, _beside_a_usual_one(engine, fit)))
-        [(_, most, _)] = found_free(free, MOST)
-        clear = is_clear(engine, free, fit) and most > CLEARLY * LEAST[MOST]
-        return with_likelier_rest(engine, free) if clear else fit
+        [(slot, most, _)] = found_free(free, MOST)
+        is_felt = most > CLEARLY * LEAST[MOST] and wald(free, [slot]) >= NEEDED
+        return with_likelier_rest(engine, free) if is_felt and is_clear(engine, free, fit) else fit
 
     return unless_stood_in(engine, fit, freed, rivals)
 

@@ -1,0 +1,1 @@
+"""Differential-drive robots in the Open Dynamics Engine with hidden effects, for recordings with a key."""
