@@ -129,6 +129,7 @@ EFFECT = Effect(
             sentence="Places are stamped {delay} late, headings {apart} less.",
             source="Brown & Hwang, complementary filters",
             has_twin=may_be_built_so,
+            extends=("constant",),
         ),
         Closure(
             "smoothed apart",
