@@ -41,6 +41,24 @@ def _strip(draw: Draw, share: float) -> Callable[[float, float], float]:
     return within
 
 
+def _felt_by_wheels(
+    setup: Setup, within: Callable[[float, float], float], act: Callable[[Machine, Now, int, float], None]
+) -> None:
+    """Let a place act on each wheel by how far it is inside (`_places`, `_strip`)."""
+
+    def make(machine: Machine, run: int) -> Hook:
+        def hook(now: Now) -> None:
+            for side in (0, 1):
+                w = within(*now.spots[side])
+                if w > 0.0:
+                    act(machine, now, side, w)
+                    now.touched = now.touched or w > 0.3
+
+        return hook
+
+    setup.floor.append(make)
+
+
 @law(
     "carpet_nap",
     "share of way",
@@ -192,19 +210,11 @@ def uneven_panels(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
 @law("low_friction_patch", "1/share", 1.5, 600.0, "spilt oil: grip falls to a boundary film's", local=True)
 def oil_puddles(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
     """Two puddles in which the grip of each wheel falls towards a share, with soft rims."""
-    within = _places(draw, 0.26, 0.5)
 
-    def make(machine: Machine, run: int) -> Hook:
-        def hook(now: Now) -> None:
-            for side in (0, 1):
-                w = within(*now.spots[side])
-                if w > 0.0:
-                    now.grip[side] = size**-w
-                    now.touched = now.touched or w > 0.3
+    def act(machine: Machine, now: Now, side: int, w: float) -> None:
+        now.grip[side] = size**-w
 
-        return hook
-
-    setup.floor.append(make)
+    _felt_by_wheels(setup, _places(draw, 0.26, 0.5), act)
     return {"grip": 1.0 / size, "radius_m": 0.26 * draw.area}
 
 
@@ -218,20 +228,12 @@ def oil_puddles(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
 )
 def wet_strip(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
     """A strip where the tyres slip in proportion to what they push, at half their grip."""
-    within = _strip(draw, 0.2)
 
-    def make(machine: Machine, run: int) -> Hook:
-        def hook(now: Now) -> None:
-            for side in (0, 1):
-                w = within(*now.spots[side])
-                if w > 0.0:
-                    now.film[side] = size * w
-                    now.grip[side] = 1.0 - 0.5 * w
-                    now.touched = now.touched or w > 0.3
+    def act(machine: Machine, now: Now, side: int, w: float) -> None:
+        now.film[side] = size * w
+        now.grip[side] = 1.0 - 0.5 * w
 
-        return hook
-
-    setup.floor.append(make)
+    _felt_by_wheels(setup, _strip(draw, 0.2), act)
     return {"film": size, "half_width_m": 0.2 * draw.area}
 
 
@@ -245,20 +247,12 @@ def wet_strip(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
 )
 def gravel(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
     """Two places where each wheel's rolling resistance is a share of its load that grows with speed."""
-    within = _places(draw, 0.26, 0.3)
 
-    def make(machine: Machine, run: int) -> Hook:
-        def hook(now: Now) -> None:
-            for side in (0, 1):
-                w = within(*now.spots[side])
-                if w > 0.0:
-                    v = abs(now.rate[side]) * machine.middle / machine.setup.robot.full
-                    now.dry[side] += size * w * (0.5 + v) * now.load[side] * machine.middle
-                    now.touched = now.touched or w > 0.3
+    def act(machine: Machine, now: Now, side: int, w: float) -> None:
+        v = abs(now.rate[side]) * machine.middle / machine.setup.robot.full
+        now.dry[side] += size * w * (0.5 + v) * now.load[side] * machine.middle
 
-        return hook
-
-    setup.floor.append(make)
+    _felt_by_wheels(setup, _places(draw, 0.26, 0.3), act)
     return {"share": size, "radius_m": 0.26 * draw.area}
 
 
@@ -272,18 +266,10 @@ def gravel(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
 )
 def foam_mat(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
     """A strip where the contact lies ahead of a rolling wheel, as in foam that springs back late."""
-    within = _strip(draw, 0.2)
 
-    def make(machine: Machine, run: int) -> Hook:
-        def hook(now: Now) -> None:
-            for side in (0, 1):
-                w = within(*now.spots[side])
-                if w > 0.0:
-                    rolls = math.tanh(now.rate[side] * machine.middle / 0.03)
-                    now.ahead[side] = size * w * machine.middle * rolls
-                    now.touched = now.touched or w > 0.3
+    def act(machine: Machine, now: Now, side: int, w: float) -> None:
+        rolls = math.tanh(now.rate[side] * machine.middle / 0.03)
+        now.ahead[side] = size * w * machine.middle * rolls
 
-        return hook
-
-    setup.floor.append(make)
+    _felt_by_wheels(setup, _strip(draw, 0.2), act)
     return {"ahead": size, "half_width_m": 0.2 * draw.area}

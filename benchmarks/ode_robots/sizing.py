@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
+from benchmarks.displacements import moved
 from benchmarks.ode_robots.plant import Robot
-from benchmarks.ode_robots.sensing import moved, report
+from benchmarks.ode_robots.sensing import report
 from benchmarks.ode_robots.setup import Array, Poses, Setup
 from benchmarks.ode_robots.simulate import Drive
 

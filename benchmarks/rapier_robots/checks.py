@@ -14,11 +14,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+from benchmarks.displacements import moved
 from benchmarks.rapier_robots.driver import Driver, start_of
 from benchmarks.rapier_robots.engine import GRAVITY, STEP
 from benchmarks.rapier_robots.plant import Plant, Robot
 from benchmarks.rapier_robots.robots import KINDS, Kind, draw_control, draw_plant, draw_sensing
-from benchmarks.rapier_robots.sensing import moved
 from benchmarks.rapier_robots.setup import Setup, setup_of
 from benchmarks.rapier_robots.simulate import Drive, Simulation, replay
 from benchmarks.rapier_robots.sizing import rows

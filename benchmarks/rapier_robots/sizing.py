@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.displacements import moved
 from benchmarks.rapier_robots.plant import Robot
-from benchmarks.rapier_robots.sensing import moved, report
+from benchmarks.rapier_robots.sensing import report
 from benchmarks.rapier_robots.setup import Array, Poses, Setup
 from benchmarks.rapier_robots.simulate import EVERY, Drive
 

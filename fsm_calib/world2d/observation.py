@@ -10,16 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fsm_calib.types import FloatArray, Pose2
 from fsm_calib.world2d.effects import Effect, hooked
 from fsm_calib.world2d.kernel import flag_places
 from fsm_calib.world2d.parameters import parameter_table
-from fsm_calib.world2d.rollout import FIT_STEP, Drive, active_flags, simulate
-
-Flags = NDArray[np.bool_]
-"""Which effects a vector switches on (`rollout.active_flags`), for callers that know it of many."""
+from fsm_calib.world2d.rollout import FIT_STEP, Drive, Flags, active_flags, simulate
 
 
 def _active(parameters: FloatArray, stage: str, on: Flags | None) -> list[tuple[Effect, FloatArray]]:

@@ -22,6 +22,8 @@ from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.path import Path
 from fsm_calib.world2d.slots import BENCH_SIZE, MEMORY
 
+Flags = NDArray[np.bool_]
+"""Which effects a vector of parameters, or each row of a matrix, switches on (`active_flags`)."""
 COLUMNS = (
     *("x", "y", "theta", "v", "v_lateral", "omega", "wheel_angle_left", "wheel_angle_right"),
     *("rim_speed_left", "rim_speed_right", "time", "is_moving"),
@@ -91,17 +93,17 @@ def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 @per_catalogue
-def _readers() -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _readers() -> tuple[Flags, Flags]:
     """Return two flags an effect: whether its step hook reads place, heading or roll, and whether it reads the roll."""
     step = [effect.reads if "step" in effect.hooks else () for effect in registry().values()]
     return np.array([bool(reads) for reads in step]), np.array(["wheel_angle" in reads for reads in step])
 
 
-def active_flags(parameters: FloatArray) -> NDArray[np.bool_]:
+def active_flags(parameters: FloatArray) -> Flags:
     """Return which effects a vector (or each row of a matrix) switches on, shape (..., effects), bool."""
     places, nulls, whose = _strengths()
     differs = np.asarray(parameters)[..., places] != nulls
-    on: NDArray[np.bool_] = differs.astype(float) @ whose > 0.0
+    on: Flags = differs.astype(float) @ whose > 0.0
     return on
 
 
@@ -158,7 +160,7 @@ def simulate_many(
     x0: Sequence[float] | FloatArray,
     pose_track: FloatArray | Path | None = None,
     dt: float = FIT_STEP,
-    on: NDArray[np.bool_] | None = None,
+    on: Flags | None = None,
 ) -> FloatArray:
     """Return the states of every row of `parameters`, shape (k, p), as `simulate` does; result of shape (k,
     n, 12). A `Path` has the same sample times; `on` are the rows' `active_flags`, where they are known.

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from fsm_calib.diagnosis.replay.prepared import NOMINAL_AXLE, NOMINAL_RADIUS, Prepared
 from fsm_calib.errors import DataError
@@ -18,10 +17,10 @@ from fsm_calib.types import FloatArray
 from fsm_calib.world2d.dynamics import small_rotation
 from fsm_calib.world2d.effects import per_catalogue, registry
 from fsm_calib.world2d.effects.vocabulary import POSE_HOOKS
-from fsm_calib.world2d.observation import Flags, observe, robot_time, smoothed
+from fsm_calib.world2d.observation import observe, robot_time, smoothed
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.path import Path
-from fsm_calib.world2d.rollout import Drive, active_flags, simulate_many
+from fsm_calib.world2d.rollout import Drive, Flags, active_flags, simulate_many
 from fsm_calib.world2d.scale import Scale
 
 NOMINAL_WHEEL_RATE = (
@@ -126,12 +125,12 @@ def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray, o
 
 
 @per_catalogue
-def _with_hook(hook: str) -> NDArray[np.bool_]:
+def _with_hook(hook: str) -> Flags:
     """Return one flag an effect: whether it has a hook."""
     return np.array([hook in effect.hooks for effect in registry().values()])
 
 
-def _acts(on: NDArray[np.bool_], hook: str) -> NDArray[np.bool_]:
+def _acts(on: Flags, hook: str) -> Flags:
     """Return which rows of flags (k, effects) have an effect with a hook `clock`, `smooth` or `observe`, (k,)."""
     return np.asarray((on & _with_hook(hook)).any(axis=1))
 
