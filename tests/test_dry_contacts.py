@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from fsm_calib.world2d.dry_contacts import slowed
+from fsm_calib.world2d.dry_contacts import ANY_WAY, IMPULSE, add_contact, brake, slowed
 from fsm_calib.world2d.parameters import parameter_table, parameters
 from fsm_calib.world2d.rollout import Drive, simulate
+from fsm_calib.world2d.slots import BENCH_SIZE, CONTACT, CONTACT_SIZE, INVERSE, STEP
 
 SECONDS = np.arange(0.0, 3.0, 0.005)
 
@@ -86,8 +87,33 @@ def test_rolling_resistance_goes_on_where_the_gears_play():
 @pytest.mark.parametrize("free", [-3.0, -0.01, 0.004, 0.5])
 def test_the_slowed_speed_solves_its_equation(free, creep):
     reach = 0.03
-    x = slowed(free, reach, creep)
+    x = slowed(free, reach, creep, creep, 0.0)
     if creep == 0.0:
         assert x == pytest.approx(math.copysign(max(abs(free) - reach, 0.0), free))
     else:
         assert x + reach * x / math.hypot(x, creep) == pytest.approx(free, abs=1e-8)
+
+
+@pytest.mark.parametrize("guess", [0.0, 0.1, 5.0])
+def test_a_tread_of_two_creep_speeds_is_slowed_by_half_of_each_wherever_the_search_begins(guess):
+    x = slowed(0.3, 0.2, 0.0, 0.2, guess)
+    assert x + 0.1 * (1.0 + x / math.hypot(x, 0.2)) == pytest.approx(0.3, abs=1e-8)
+
+
+@pytest.mark.parametrize("before", [-2e-3, 3e-4, 1e-2])
+def test_contacts_leave_the_same_twist_whatever_their_impulses_were_in_the_step_before(before):
+    """The search begins with those of the step before: it saves rounds and decides nothing."""
+
+    def braked(impulse: float) -> tuple[float, float, float]:
+        bench = np.zeros(BENCH_SIZE)
+        bench[STEP] = 0.01
+        bench[INVERSE : INVERSE + 9] = np.diag([0.9, 0.8, 400.0]).ravel()
+        add_contact(bench, 0.05, 1.0, 0.0, -0.05, 0.0, 0.0)
+        add_contact(bench, 0.05, 1.0, 0.0, 0.05, 0.0, 0.0)
+        add_contact(bench, 0.02, 0.0, 0.0, 1.0, 0.1, 0.4)
+        add_contact(bench, 0.3, -0.075, 0.0, 0.0, ANY_WAY, ANY_WAY)
+        for contact in range(4):
+            bench[CONTACT + contact * CONTACT_SIZE + IMPULSE] = impulse
+        return brake(bench, 0.3, 0.01, 0.6)
+
+    assert braked(before) == pytest.approx(braked(0.0), abs=1e-7)

@@ -51,19 +51,21 @@ def add_oblique_damper(W, px, py, dx, dy, k):
 @njit(**ARITHMETIC)
 def add_dry_point(W, px, py, size):
     """Add dry friction of `size` [N] at the point (px, py) [m] of `base`, against whatever way it slides."""
-    add_contact(W, size, px, py, 0.0, ANY_WAY)
+    add_contact(W, size, px, py, 0.0, ANY_WAY, ANY_WAY)
 
 
 @njit(**ARITHMETIC)
 def add_dry_way(W, px, py, dx, dy, size):
     """Add dry friction of `size` [N] at the point (px, py) [m] along the unit vector (dx, dy) of `base` alone."""
-    add_contact(W, size, dx, dy, px * dy - py * dx, 0.0)
+    add_contact(W, size, dx, dy, px * dy - py * dx, 0.0, 0.0)
 
 
 @njit(**ARITHMETIC)
-def add_dry_moment(W, size, rate):
-    """Add a dry moment of `size` [N m] against turning; below `rate` [rad/s] it acts as a damper."""
-    add_contact(W, size, 0.0, 0.0, 1.0, rate)
+def add_dry_moment(W, size, rate, other):
+    """Add a dry moment of `size` [N m] against turning; below `rate` and the `other` rate [rad/s] either half of it
+    acts as a damper.
+    """
+    add_contact(W, size, 0.0, 0.0, 1.0, rate, other)
 
 
 @njit(**ARITHMETIC)

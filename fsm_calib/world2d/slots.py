@@ -87,7 +87,7 @@ INVERSE = 55
 """Inverse of the mass matrix of this step, by rows (55 to 63): change of (V, L, OMEGA) by an impulse."""
 CONTACTS, CONTACT = 64, 65
 """How many dry contacts brake the body in this step, and what is kept of them, one after the other (`dry_contacts`)."""
-MOST_CONTACTS, CONTACT_SIZE = 8, 7
+MOST_CONTACTS, CONTACT_SIZE = 8, 15
 """How many there may be, and the numbers that are kept of each."""
 CARRIED_X = CONTACT + MOST_CONTACTS * CONTACT_SIZE
 CARRIED_Y = CARRIED_X + 1

@@ -19,10 +19,9 @@ its on time, as in Mohan, Undeland & Robbins, Power Electronics, 3rd ed. 2003, s
 
 from __future__ import annotations
 
-import math
-
 from numba import njit
 
+from fsm_calib.world2d.decay import gone
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import COMMAND, RIM, STEP, TARGET
 
@@ -33,7 +32,7 @@ LEAST_LEFT = 0.05  # of a cell's charge: what is drawn beyond takes no more of i
 def sag(P, o, S, m, W):
     """Lower both targets, count the charge, and let the cell polarise."""
     load = abs(W[COMMAND]) + abs(W[COMMAND + 1])
-    share = -math.expm1(-W[STEP] / P[o + 3])
+    share = gone(W[STEP] / P[o + 3])
     lasting = S[m + 1] + 0.5 * share * (load - S[m + 1])
     drawn = (load + P[o + 6]) * W[STEP]
     charge = S[m] + 0.5 * drawn

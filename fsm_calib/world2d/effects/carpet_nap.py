@@ -29,7 +29,7 @@ def resist(P, o, S, m, W):
     """Add the drag along the robot."""
     bent = S[V] / math.sqrt(S[V] * S[V] + BENT_SPEED * BENT_SPEED)
     ease = (W[COS] * P[o] + W[SIN] * P[o + 1]) * bent
-    drag = max(math.hypot(P[o], P[o + 1]) - ease, 0.0)
+    drag = max(math.sqrt(P[o] ** 2 + P[o + 1] ** 2) - ease, 0.0)
     add_dry_friction(W, 0.0, 0.0, 1.0, 0.0, S[V], drag * abs(bent), W[MASS])
     pull_x, pull_y = P[o + 2] * bent * bent, P[o + 3] * bent * bent
     add_force(W, W[COS] * pull_x + W[SIN] * pull_y, W[COS] * pull_y - W[SIN] * pull_x, 0.0)

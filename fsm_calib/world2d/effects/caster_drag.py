@@ -30,6 +30,8 @@ import math
 
 from numba import njit
 
+from fsm_calib.world2d.decay import gone
+from fsm_calib.world2d.dynamics import small_rotation
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.forces import add_dry_point, add_dry_way, add_oblique_damper
 from fsm_calib.world2d.slots import OMEGA, STEP, L, V
@@ -38,6 +40,8 @@ SWIVEL_SPEED = 0.02
 """Speed across the caster at which its kick has 1/sqrt(2) of its size [m/s] (assumed)."""
 HALFWAY = 0.4
 """Place at whose velocity the first of two crossed ways acts, over the arm [1] (assumed; 0.3 to 0.5 are as good)."""
+OPPOSITE = 2000.0
+"""Largest tan(gap / 2) [1]: a caster that points exactly the wrong way turns as if it were 1e-3 rad off (assumed)."""
 TRAIL = 0.02 / 0.075
 """Distance of the caster's wheel behind its pivot over the arm [1] (assumed: 2 cm, as 25 mm furniture casters have it,
 on a Duckiebot)."""
@@ -45,43 +49,49 @@ on a Duckiebot)."""
 
 @njit(error_model="numpy")
 def drag_and_swivel(P, o, S, m, W):
-    """Add the caster's forces and turn it; S[m] is psi, S[m + 1] its way [m]."""
+    """Add the caster's forces and turn it; S[m] is its way [m], S[m + 1] and S[m + 2] are cosine and sine of psi."""
     arm = P[o + 2]
     vx, vy = S[V], S[L] - arm * S[OMEGA]
-    speed2 = vx * vx + vy * vy
-    speed = math.sqrt(speed2)
+    speed = math.sqrt(vx * vx + vy * vy)
     drag = P[o]
     if P[o + 6] > 0.0:
-        S[m + 1] += speed * W[STEP]
-        drag *= 1.0 - math.exp(-S[m + 1] / P[o + 6])
-    if P[o + 4] != 0.0:
-        add_dry_way(W, -arm, 0.0, math.cos(S[m]), math.sin(S[m]), drag)
+        S[m] += speed * W[STEP]
+        drag *= gone(S[m] / P[o + 6])
+    swivels, forked = P[o + 1] != 0.0, P[o + 4] != 0.0
+    c, s = (S[m + 1], S[m + 2]) if S[m + 1] != 0.0 or S[m + 2] != 0.0 else (1.0, 0.0)
+    if forked:
+        add_dry_way(W, -arm, 0.0, c, s, drag)
     elif P[o + 3] == 0.0:
         add_dry_point(W, -arm, 0.0, drag)
     else:
         add_dry_point(W, -HALFWAY * arm, 0.0, drag)
         add_dry_way(W, -arm, 0.0, 0.0, 1.0, drag)
-    if P[o + 1] != 0.0:
-        c, s = math.cos(S[m]), math.sin(S[m])
+    if swivels:
         across = c * vy - s * vx
         kick = P[o + 1] / math.sqrt(across * across + SWIVEL_SPEED * SWIVEL_SPEED)
         add_oblique_damper(W, -arm, 0.0, -s, c, kick)
-    if speed2 > 0.0:
-        S[m] = turn_towards(S[m], math.atan2(vy, vx), speed * W[STEP] / (P[o + 5] * arm), S[OMEGA] * W[STEP])
+    if speed > 0.0 and (swivels or forked):
+        travel = speed * W[STEP] / (P[o + 5] * arm)
+        S[m + 1], S[m + 2] = turn_towards(c, s, vx / speed, vy / speed, travel, S[OMEGA] * W[STEP])
 
 
 @njit(error_model="numpy")
-def turn_towards(psi, turn, travel, body):
-    """Return the caster's direction after `travel` trail lengths towards `turn` [rad] while the body turns by
-    `body` [rad].
+def turn_towards(c, s, to_c, to_s, travel, body):
+    """Return cosine and sine of the caster's direction, (c, s) so far, after `travel` trail lengths towards
+    (to_c, to_s) while the body turns by `body` [rad].
 
-    The exact solution of d gap / d travel = -sin(gap): tan(gap / 2) decays exponentially.
+    The exact solution of d gap / d travel = -sin(gap): half = tan(gap / 2) decays exponentially.
     """
-    gap = psi - turn
-    gap -= 2.0 * math.pi * math.floor(gap / (2.0 * math.pi) + 0.5)
-    if abs(gap) > math.pi - 1e-3:
-        gap = math.copysign(math.pi - 1e-3, gap)
-    return turn + 2.0 * math.atan(math.tan(0.5 * gap) * math.exp(-travel)) - body
+    ahead, sine = 1.0 + c * to_c + s * to_s, s * to_c - c * to_s
+    half = math.copysign(OPPOSITE, sine)
+    if abs(sine) < OPPOSITE * ahead:
+        half = sine / ahead
+    half *= math.exp(-travel)
+    scale = 1.0 / (1.0 + half * half)
+    left_c, left_s = (1.0 - half * half) * scale, 2.0 * half * scale
+    c, s = to_c * left_c - to_s * left_s, to_s * left_c + to_c * left_s
+    body_c, body_s = small_rotation(body)
+    return c * body_c + s * body_s, s * body_c - c * body_s
 
 
 EFFECT = Effect(
@@ -204,7 +214,7 @@ EFFECT = Effect(
             extends=("drag and kick", "along its fork"),
         ),
     ),
-    memory=2,
+    memory=3,
     order=75,
     dissipative=True,
 )

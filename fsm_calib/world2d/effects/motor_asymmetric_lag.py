@@ -21,6 +21,7 @@ import math
 
 from numba import njit
 
+from fsm_calib.world2d.decay import gone
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.wheels import is_the_others, of_each_wheel, of_one_driver_or_both
 from fsm_calib.world2d.slots import DRIVE, RIM, STEP, TARGET
@@ -41,8 +42,8 @@ def filtered(before, wanted, tau, time):
     """Return a first-order filter's integral over a time [s] and its value after it, for a constant input."""
     if tau <= 0.0:
         return wanted * time, wanted
-    gone = -math.expm1(-time / tau)
-    return wanted * time + (before - wanted) * gone * tau, before + (wanted - before) * gone
+    share = gone(time / tau)
+    return wanted * time + (before - wanted) * share * tau, before + (wanted - before) * share
 
 
 @njit(error_model="numpy")

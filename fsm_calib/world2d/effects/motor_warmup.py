@@ -26,10 +26,9 @@ Source: first-order thermal model of a motor, Hughes & Drury, Electric Motors an
 
 from __future__ import annotations
 
-import math
-
 from numba import njit
 
+from fsm_calib.world2d.decay import gone
 from fsm_calib.world2d.dynamics import GAIN
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.wheels import of_each_wheel
@@ -45,11 +44,11 @@ def warm(P, o, S, m, W):
     for side in range(2):
         heat = (1.0 - P[o + 3]) * abs(W[COMMAND + side]) + P[o + 3]
         if P[o + 6] > 0.0:
-            gained = (heat - S[m + side]) * -math.expm1(-W[STEP] / P[o + 2])
+            gained = (heat - S[m + side]) * gone(W[STEP] / P[o + 2])
             warmed = S[m + side] + 0.5 * gained
         else:
             gained = heat * W[STEP]
-            warmed = -math.expm1(-(S[m + side] + 0.5 * gained) / P[o + 2])
+            warmed = gone((S[m + side] + 0.5 * gained) / P[o + 2])
         W[TARGET + side] *= 1.0 + P[o + side] * warmed
         W[DRIVE + side] /= 1.0 + P[o + 4 + side] * warmed
         S[m + side] += gained
@@ -64,7 +63,7 @@ def warm_by_current(P, o, S, m, W):
         current = (W[TARGET + side] - constant * S[RIM + side]) / (P[GAIN + side] * resistance)
         W[TARGET + side] /= constant
         W[DRIVE + side] *= constant * constant / resistance
-        S[m + side] += (current * current * resistance - S[m + side]) * -math.expm1(-W[STEP] / P[o + 2])
+        S[m + side] += (current * current * resistance - S[m + side]) * gone(W[STEP] / P[o + 2])
 
 
 EFFECT = Effect(

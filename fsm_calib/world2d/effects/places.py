@@ -27,7 +27,7 @@ def rise(depth):
 @njit(error_model="numpy")
 def in_disc(x, y, centre_x, centre_y, radius):
     """Return how far (0 to 1) the point (x, y) [m] lies inside a disc."""
-    return rise(radius - math.hypot(x - centre_x, y - centre_y))
+    return rise(radius - math.sqrt((x - centre_x) ** 2 + (y - centre_y) ** 2))
 
 
 @njit(error_model="numpy")
@@ -38,7 +38,7 @@ def in_area(x, y, centre_x, centre_y, half_x, half_y, roundness):
     depth_x, depth_y = half_x - abs(x - centre_x), half_y - abs(y - centre_y)
     if roundness <= 0.0:
         return rise(depth_x) * rise(depth_y)
-    reach = math.hypot((x - centre_x) / half_x, (y - centre_y) / half_y)
+    reach = math.sqrt(((x - centre_x) / half_x) ** 2 + ((y - centre_y) / half_y) ** 2)
     depth = roundness * (1.0 - reach) * min(half_x, half_y) + (1.0 - roundness) * min(depth_x, depth_y)
     return rise(depth)
 

@@ -37,6 +37,7 @@ import math
 
 from numba import njit
 
+from fsm_calib.world2d.decay import gone
 from fsm_calib.world2d.dynamics import GAIN
 from fsm_calib.world2d.effects.effect import Effect, Parameter
 from fsm_calib.world2d.effects.speed_loop import NEVER, gain_of_the_loop
@@ -86,7 +87,7 @@ def hold_speed(P, o, S, m, W):
 def see_late(P, o, S, m, rim, step):
     """Return what a loop that sees the speed late asks for beyond one that sees it at once; keep what it sees."""
     late = P[o + 4] / (1.0 + P[o + 4]) * (rim - S[m])
-    S[m] += (1.0 - math.exp(-step / P[o + 5])) * (rim - S[m])
+    S[m] += gone(step / P[o + 5]) * (rim - S[m])
     return late
 
 

@@ -31,14 +31,14 @@ from fsm_calib.world2d.slots import OMEGA, SLIP_SPEED, V
 @njit(error_model="numpy")
 def scrub(P, o, S, m, W):
     """Add the moment, less for tyres that roll, and let them slip more easily while they spin."""
-    if P[o + 3] == 0.0:
-        add_dry_moment(W, P[o], P[o + 1])
-    else:
-        for side in range(2):
-            rolling = S[V] - contact_arm(W, side, 1.0) * S[OMEGA]
-            add_dry_moment(W, 0.5 * P[o], math.hypot(P[o + 1], P[o + 3] * rolling))
+    rate_l = rate_r = P[o + 1]
+    if P[o + 3] != 0.0:
+        roll_l = P[o + 3] * (S[V] - contact_arm(W, 0, 1.0) * S[OMEGA])
+        roll_r = P[o + 3] * (S[V] - contact_arm(W, 1, 1.0) * S[OMEGA])
+        rate_l, rate_r = math.sqrt(rate_l**2 + roll_l**2), math.sqrt(rate_r**2 + roll_r**2)
+    add_dry_moment(W, P[o], rate_l, rate_r)
     if P[o + 2] != 0.0:
-        W[SLIP_SPEED] = math.hypot(W[SLIP_SPEED], P[o + 2] * S[OMEGA])
+        W[SLIP_SPEED] = math.sqrt(W[SLIP_SPEED] ** 2 + (P[o + 2] * S[OMEGA]) ** 2)
 
 
 EFFECT = Effect(
