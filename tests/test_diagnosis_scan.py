@@ -8,6 +8,7 @@ from diagnosis_robots import bank_of, engine_of, recording, with_encoders
 
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
+    asked_for,
     declared_starts,
     hypotheses_of,
     starts_move_all,
@@ -165,6 +166,27 @@ def test_a_marker_whose_error_fades_towards_the_next_ones_is_blended():
     assert found["fade"] == pytest.approx(0.12, abs=0.03)
     assert found["turn"] == pytest.approx(0.12, rel=0.15)
     assert found["shift_x"] == pytest.approx(0.03, abs=0.008)
+
+
+@pytest.mark.parametrize("face", [0.9, -1.6, 2.5])
+def test_a_board_that_counts_only_while_the_robot_looks_its_way_is_found_with_its_heading(face):
+    board = {**MARKER, "shift_x": 0.03, "shift_y": -0.02, "radius": 0.35, "face": face, "view": 1.2}
+    numbers = {f"misplaced_marker__{name}": value for name, value in board.items()}
+    (ranked,) = bank_of(*(recording(seed, **numbers) for seed in (0, 1))).rank(
+        [registry()["misplaced_marker"]]
+    )
+    assert ranked.hypothesis.closure == "seen from one side"
+    found = dict(zip(ranked.hypothesis.names, ranked.fit.slot_values()[-8:], strict=True))
+    assert np.angle(np.exp(1j * (found["face"] - face))) == pytest.approx(0.0, abs=0.1)
+    assert found["view"] == pytest.approx(1.2, abs=0.1)
+    assert found["turn"] == pytest.approx(MARKER["turn"], rel=0.15)
+
+
+def test_a_scan_that_tells_a_heading_asks_for_the_closure_that_has_one():
+    effect = registry()["misplaced_marker"]
+    disc = {"turn", "shift_x", "shift_y", "x", "y", "radius", "rigid"}
+    assert [c.name for c in asked_for(effect, {*disc, "face", "view"})] == ["seen from one side"]
+    assert asked_for(effect, disc) == list(effect.competing)
 
 
 def test_headings_that_are_wrong_over_a_metre_and_more_are_found_by_the_edge_of_that_floor():

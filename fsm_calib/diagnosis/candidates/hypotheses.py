@@ -159,12 +159,21 @@ def starts_move_all(hypothesis: Hypothesis) -> bool:
 
 
 def asked_for(effect: Effect, given: set[str]) -> list[Closure]:
-    """Return the closures of an event of one recording whose times a scan gives (a begin, or a length, too)."""
+    """Return the closures of an event of one recording whose times a scan gives (a begin, or a length, too); of a place
+    those that extend the others where only they have all that it tells.
+    """
     if effect.scan != "time":
-        return list(effect.competing)
+        told = {n for n in given if effect.parameter(n).fitted}
+        larger = [c for c in effect.extending if told <= set(c.frees)]
+        return list(effect.competing) if not larger or told <= _freed(effect) else larger
     times = {p.name for p in effect.parameters if not p.strength}
     differ = [len((set(closure.frees) ^ given) & times) for closure in effect.competing]
     return [c for c, number in zip(effect.competing, differ, strict=True) if number == min(differ)]
+
+
+def _freed(effect: Effect) -> set[str]:
+    """Return all numbers that the competing closures of an effect free."""
+    return {name for closure in effect.competing for name in closure.frees}
 
 
 def alike_in(effect: Effect, closure: str) -> set[str]:

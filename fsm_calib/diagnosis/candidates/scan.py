@@ -17,7 +17,7 @@ from itertools import product
 
 import numpy as np
 
-from fsm_calib.diagnosis.candidates.candidate import GROWTH, Candidate
+from fsm_calib.diagnosis.candidates.candidate import FAINT, GROWTH, Candidate
 from fsm_calib.diagnosis.candidates.distinct import apart
 from fsm_calib.diagnosis.candidates.fault_search import FaultSearch
 from fsm_calib.diagnosis.candidates.outstanding import MOMENTS, by_chance
@@ -31,6 +31,7 @@ from fsm_calib.diagnosis.candidates.scan_default import (
     tried_span,
 )
 from fsm_calib.diagnosis.candidates.scan_markers import (
+    FROM_ONE_SIDE,
     HEADING,
     SHIFTED,
     TURNED,
@@ -59,6 +60,7 @@ KEEP = 3
 KEEP_WIDE = 2  # of the rugs and lawns, beside the spots and strips
 MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
 SHIFTED_TRIED = 120  # the same of shifted ones, where three numbers make jumps of chance larger
+ONE_SIDE_TRIED = 30  # the same of those that are seen from one side, for each
 CHUNK = 32
 RIDGE = 1e-9  # of its power, added to a candidate's own
 
@@ -187,7 +189,9 @@ class Scanner:
         return [Candidate(changes, promise) for changes, promise in found if not self.hopeless(promise)]
 
     def markers(self, effect: Effect) -> list[Candidate]:
-        """Return discs inside which poses are turned, headings alone are, or poses are turned and shifted."""
+        """Return discs inside which poses are turned, headings alone are, or poses are turned and shifted, where any
+        stands out also of boards that are seen from one side.
+        """
         jumps = [
             jumps_of(simulator.prepared, simulated)
             for simulator, simulated in zip(self.simulators, self.parent.simulated, strict=True)
@@ -201,7 +205,16 @@ class Scanner:
         cost = float(np.log(self.residual.engine.count))  # of two numbers more
         best = max((candidate.promise for candidate in turned), default=0.0)
         found = turned + [candidate for candidate in shifted if candidate.promise > best + cost]
+        if max((candidate.promise for candidate in found), default=0.0) > FAINT:
+            found += self._from_one_side(effect, jumps)
         return [candidate for candidate in found if not self.hopeless(candidate.promise)]
+
+    def _from_one_side(self, effect: Effect, jumps: Sequence[Jumps]) -> list[Candidate]:
+        """Return the best discs of boards that count only while the robot looks their way."""
+        found = [
+            one for wrong in FROM_ONE_SIDE for one in self._markers(effect, jumps, wrong, ONE_SIDE_TRIED)
+        ]
+        return sorted(found, key=lambda candidate: -candidate.promise)[:KEEP]
 
     def _markers(self, effect: Effect, jumps: Sequence[Jumps], wrong: Wrong, count: int) -> list[Candidate]:
         """Return the best discs by their jumps or by what they win as they are, and the best of these alone.

@@ -5,7 +5,8 @@ back where it leaves. Between two frames k - 1 and k the jump is
 
     e_k = (c_k - c_(k-1)) - (what the base robot moved)          c_k = inside_k (shift + rigid turn perp(r_k), turn)
 
-e_k [m, m, rad] in world axes, r_k [m] the place seen from the disc's centre, rigid 1, or 0 of headings alone. For a
+e_k [m, m, rad] in world axes, r_k [m] the place seen from the disc's centre, rigid 1, or 0 of headings alone. A
+board that counts only while the robot looks its way is entered and left by turning, too. For a
 disc, turn and shift are linear, and least squares over the frames with their robust spread tells what they would win.
 The edge must be right to a frame or two: 8 mm beside the truth a disc may promise a quarter of what it does there
 (measured, poses at 30 Hz). A first look at a grid of discs therefore takes jumps over the time in which the robot
@@ -16,6 +17,7 @@ swallowed the jumps, and would hide them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -51,18 +53,27 @@ MAD_TO_SD = 1.4826  # of a normal distribution
 
 @dataclass(frozen=True, slots=True)
 class Wrong:
-    """How a marker may be wrong: by so many of turn and shift, along x and y; `rigid` 1, or 0: headings alone."""
+    """How a marker may be wrong: by so many of turn and shift, along x and y; `rigid` 1, or 0: headings alone.
+
+    It counts within `view` of the heading `face` [rad], by all headings where that is pi.
+    """
 
     numbers: int
     rigid: float
+    face: float = 0.0
+    view: float = math.pi
 
 
 TURNED, SHIFTED, HEADING = Wrong(1, 1.0), Wrong(3, 1.0), Wrong(1, 0.0)
+VIEW = (
+    1.2  # rad: of boards that are seen from one side, as they are sought; a fit finds 0.6 to 1.8 from there
+)
+FROM_ONE_SIDE = tuple(Wrong(3, 1.0, face, VIEW) for face in np.arange(-0.75, 1.01, 0.25) * math.pi)
 
 
 @dataclass(frozen=True, eq=False)
 class Jumps:
-    """Unexplained motion about each pose: place (n, 2) [m], jump (n, 3) [m, m, rad] in world axes, spread (3,).
+    """Unexplained motion about each pose: place (n, 3) [m, m, rad], jump (n, 3) in world axes, spread (3,).
 
     wide, wide_spread : the same over the longer time that a grid of discs needs.
     """
@@ -76,8 +87,8 @@ class Jumps:
 
 @dataclass(frozen=True, slots=True)
 class Disc:
-    """A marker's disc [m], its turn [rad] and shift [m], whether places turn with it (`rigid` 1) or headings alone (0),
-    and the log-likelihood that it promises to win.
+    """A marker's disc [m], its turn [rad] and shift [m], how it is wrong, and the log-likelihood that it promises to
+    win.
     """
 
     x: float
@@ -86,14 +97,16 @@ class Disc:
     turn: float
     shift_x: float
     shift_y: float
-    rigid: float
+    wrong: Wrong
     promise: float
 
     def changes(self, effect: Effect) -> dict[str, float]:
         """Return the disc in the words of an effect's parameters, by full name; shifts only where it has one."""
-        numbers = {"turn": float(np.clip(self.turn, -1.0, 1.0)), "rigid": self.rigid}
+        numbers = {"turn": float(np.clip(self.turn, -1.0, 1.0)), "rigid": self.wrong.rigid}
         if self.shift_x or self.shift_y:
             numbers |= {"shift_x": self.shift_x, "shift_y": self.shift_y}
+        if self.wrong.view < math.pi:
+            numbers |= {"face": self.wrong.face, "view": self.wrong.view}
         acting = {f"{effect.name}.{name}": value for name, value in numbers.items()}
         return Area(self.x, self.y, self.radius, self.radius).numbers(effect) | acting
 
@@ -115,7 +128,7 @@ def jumps_of(prepared: Prepared, simulated: FloatArray, largest: float = LARGEST
     unexplained, chain = (off - np.cumsum(drift, axis=0))[poses], np.cumsum(p.restart)[poses]
     wide = max(WIDE_LEAST, round(WIDE_TIME / float(p.geometry[2])))
     return Jumps(
-        p.reference[poses, :2],
+        p.reference[poses],
         *_over(unexplained, chain, SLACK, largest),
         *_over(unexplained, chain, wide, largest),
     )
@@ -143,7 +156,7 @@ def likely_discs(jumps: Sequence[Jumps], wrong: Wrong, kept: int = KEPT, size: f
     place = np.vstack([j.place for j in jumps])
     wide = Frames.of(place, [(j.wide, j.wide_spread) for j in jumps])
     narrow = Frames.of(place, [(j.jump, j.spread) for j in jumps])
-    discs = _grid(place, size)
+    discs = _grid(place[:, :2], size)
     promise = wide.numbers(discs, wrong)[:, 0]
     any_good = promise > 0.0
     promise, discs = promise[any_good], discs[any_good]
@@ -164,13 +177,13 @@ def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray],
     jumps = [jumps_of(p, s, SURE_JUMP) for p, s in zip(prepared, simulated, strict=True)]
     size = robot_size(float(prepared[0].geometry[0]))
     best = max((disc.promise for disc in likely_discs(jumps, TURNED, size=size)), default=0.0)
-    discs = len(_grid(np.vstack([j.place for j in jumps]), size))
+    discs = len(_grid(np.vstack([j.place for j in jumps])[:, :2], size))
     return float(2.0 * best - DISC_NUMBERS * np.log(count) - 2.0 * np.log(discs))
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """All frames: place (n, 2) [m], jump (n, 3), nan where a recording begins or breaks, and their weights (n, 3)."""
+    """All frames: place (n, 3) [m, m, rad], jump (n, 3), nan where a recording begins or breaks, weights (n, 3)."""
 
     place: FloatArray
     jump: FloatArray
@@ -184,7 +197,8 @@ class Frames:
 
     def numbers(self, discs: FloatArray, wrong: Wrong) -> FloatArray:
         """Return promise, turn [rad] and shift [m] of discs (m, 3), shape (m, 4)."""
-        found = _numbers(self.place, self.jump, self.weight, discs, wrong.numbers, wrong.rigid)
+        looks = np.cos(self.place[:, 2] - wrong.face) >= math.cos(wrong.view)
+        found = _numbers(self.place, looks, self.jump, self.weight, discs, wrong.numbers, wrong.rigid)
         return np.asarray(found, dtype=float)
 
     def moved(self, disc: FloatArray, steps: Sequence[float], wrong: Wrong) -> FloatArray:
@@ -198,7 +212,7 @@ class Frames:
         """Return a disc (3,) with the turn and shift that fit it best."""
         x, y, radius = map(float, disc)
         promise, turn, shift_x, shift_y = map(float, self.numbers(disc[None], wrong)[0])
-        return Disc(x, y, radius, turn, shift_x, shift_y, wrong.rigid, promise)
+        return Disc(x, y, radius, turn, shift_x, shift_y, wrong, promise)
 
 
 def _grid(place: FloatArray, size: float) -> FloatArray:
@@ -234,8 +248,10 @@ def _is_far(circle, disc):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _numbers(place, jump, weight, discs, size, rigid):  # type: ignore[no-untyped-def]
-    """Return promise and the first `size` of turn, shift_x, shift_y of each disc, shape (m, 4)."""
+def _numbers(place, looks, jump, weight, discs, size, rigid):  # type: ignore[no-untyped-def]
+    """Return promise and the first `size` of turn, shift_x, shift_y of each disc, shape (m, 4); looks : (n,) in which
+    frames the robot looks its way.
+    """
     out = np.zeros((len(discs), 4))
     normal, score = np.zeros((3, 3)), np.zeros(3)
     around = _stretches(place)
@@ -247,7 +263,8 @@ def _numbers(place, jump, weight, discs, size, rigid):  # type: ignore[no-untype
             if not was and k % STRETCH == 0 and _is_far(around[k // STRETCH], discs[d]):
                 k += STRETCH
                 continue
-            inside = (place[k, 0] - discs[d, 0]) ** 2 + (place[k, 1] - discs[d, 1]) ** 2 < square
+            near = (place[k, 0] - discs[d, 0]) ** 2 + (place[k, 1] - discs[d, 1]) ** 2 < square
+            inside = near and looks[k]
             if inside and not was:
                 entered = k
             elif was and not inside and k - entered >= SHORTEST_STAY:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fsm_calib.diagnosis.candidates.candidate import Candidate
+from fsm_calib.diagnosis.candidates.candidate import FAINT, Candidate
 from fsm_calib.diagnosis.candidates.hypotheses import Hypothesis, asked_for, declared_starts
 from fsm_calib.diagnosis.candidates.outstanding import RARE
 from fsm_calib.diagnosis.candidates.scan import Scanner
@@ -14,7 +14,6 @@ from fsm_calib.diagnosis.fitting.values import with_values
 from fsm_calib.world2d.effects import Closure, Effect
 
 WORTH_FITTING = 0.6  # of the best candidate's promise: a scan's order is right to about that
-FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted; a name needs more
 
 Plan = tuple[Hypothesis, list[Start] | None]
 """A form with where it starts; None where that is to be sought."""
