@@ -60,7 +60,7 @@ KEEP = 3
 KEEP_WIDE = 2  # of the rugs and lawns, beside the spots and strips
 MARKERS_TRIED = 30  # discs by their jumps, of which the poses then choose
 SHIFTED_TRIED = 120  # the same of shifted ones, where three numbers make jumps of chance larger
-ONE_SIDE_TRIED = 30  # the same of those that are seen from one side, for each
+ONE_SIDE_TRIED = 6  # the same of those that are seen from one side, for each
 CHUNK = 32
 RIDGE = 1e-9  # of its power, added to a candidate's own
 

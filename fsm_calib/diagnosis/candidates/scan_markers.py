@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -65,10 +65,16 @@ class Wrong:
 
 
 TURNED, SHIFTED, HEADING = Wrong(1, 1.0), Wrong(3, 1.0), Wrong(1, 0.0)
-VIEW = (
-    1.2  # rad: of boards that are seen from one side, as they are sought; a fit finds 0.6 to 1.8 from there
-)
-FROM_ONE_SIDE = tuple(Wrong(3, 1.0, face, VIEW) for face in np.arange(-0.75, 1.01, 0.25) * math.pi)
+FACES, VIEWS = (
+    np.arange(-0.75, 1.01, 0.25) * math.pi,
+    (0.6, 1.2, 1.8),
+)  # rad: of boards that are seen from one side
+FROM_ONE_SIDE = tuple(Wrong(3, 1.0, face, view) for face in FACES.tolist() for view in VIEWS)
+TURNED_BY, WIDTH = (
+    (0.2, 0.1, 0.05, 0.025),
+    (0.4, 2.4),
+)  # rad, by which the best are turned, and how wide they may see
+COARSE = 2.0  # times the usual pitch: boards that are entered and left by turning are less sharp in place
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,14 +162,17 @@ def likely_discs(jumps: Sequence[Jumps], wrong: Wrong, kept: int = KEPT, size: f
     place = np.vstack([j.place for j in jumps])
     wide = Frames.of(place, [(j.wide, j.wide_spread) for j in jumps])
     narrow = Frames.of(place, [(j.jump, j.spread) for j in jumps])
-    discs = _grid(place[:, :2], size)
+    coarse = COARSE if wrong.view < math.pi else 1.0
+    discs = _grid(place[:, :2], size, coarse)
     promise = wide.numbers(discs, wrong)[:, 0]
     any_good = promise > 0.0
     promise, discs = promise[any_good], discs[any_good]
     best = [discs[i] for i in apart(promise, discs[:, :2], kept, size * APART)]
-    by = [[size * step for step in steps] for steps in (MOVED_WIDE, MOVED)]
+    first = (COARSE * MOVED_WIDE[0],) if coarse > 1.0 else ()
+    by = [[size * step for step in steps] for steps in ((*first, *MOVED_WIDE), MOVED)]
     moved = [narrow.moved(wide.moved(disc, by[0], wrong), by[1], wrong) for disc in best]
-    return sorted((narrow.disc(disc, wrong) for disc in moved), key=lambda disc: -disc.promise)
+    found = [narrow.disc(*narrow.looked(disc, wrong, by[1])) for disc in moved]
+    return sorted(found, key=lambda disc: -disc.promise)
 
 
 def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray], count: int) -> float:
@@ -208,6 +217,22 @@ class Frames:
             disc = tried[int(np.argmax(self.numbers(tried, wrong)[:, 0]))]
         return disc
 
+    def looked(self, disc: FloatArray, wrong: Wrong, steps: Sequence[float]) -> tuple[FloatArray, Wrong]:
+        """Turn the face and widen the view of a board by ever smaller steps to where it promises most, the disc (3,)
+        moved by `steps` [m] after each; all others stay.
+        """
+        for turned in TURNED_BY if wrong.view < math.pi else ():
+            tried = [
+                replace(
+                    wrong, face=wrong.face + a * turned, view=float(np.clip(wrong.view + b * turned, *WIDTH))
+                )
+                for a in (-1.0, 0.0, 1.0)
+                for b in (-1.0, 0.0, 1.0)
+            ]
+            wrong = max(tried, key=lambda one: float(self.numbers(disc[None], one)[0, 0]))
+            disc = self.moved(disc, steps, wrong)
+        return disc, wrong
+
     def disc(self, disc: FloatArray, wrong: Wrong) -> Disc:
         """Return a disc (3,) with the turn and shift that fit it best."""
         x, y, radius = map(float, disc)
@@ -215,10 +240,15 @@ class Frames:
         return Disc(x, y, radius, turn, shift_x, shift_y, wrong, promise)
 
 
-def _grid(place: FloatArray, size: float) -> FloatArray:
-    """Return discs (m, 3): x, y, radius [m] over the visited floor and beyond it as far as their edge reaches it."""
+def _grid(place: FloatArray, size: float, coarse: float = 1.0) -> FloatArray:
+    """Return discs (m, 3): x, y, radius [m] over the visited floor and beyond it as far as their edge reaches it.
+
+    coarse : times the usual pitch of centres and radii.
+    """
     grids = ((RADII, CENTRE_PITCH), (FAR_RADII, FAR_PITCH))
-    return np.vstack([_discs(place, size * radii, size * pitch) for radii, pitch in grids])
+    return np.vstack(
+        [_discs(place, size * radii[:: round(coarse)], size * coarse * pitch) for radii, pitch in grids]
+    )
 
 
 def _discs(place: FloatArray, radii: FloatArray, pitch: float) -> FloatArray:
