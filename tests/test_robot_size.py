@@ -38,7 +38,7 @@ def test_a_large_robots_field_has_no_more_places_than_can_be_tried():
 
 def test_a_marker_of_a_large_robots_field_is_sought_on_its_own_grid():
     rng = np.random.default_rng(1)
-    place = np.cumsum(rng.normal(0.0, 0.3, (400, 2)), axis=0)
+    place = np.cumsum(rng.normal(0.0, 0.3, (400, 3)), axis=0)
     jump, spread = rng.normal(0.0, 0.01, (400, 3)), np.full(3, 0.01)
     found = likely_discs([Jumps(place, jump, spread, jump, spread)], TURNED, size=8.8)
     assert all(disc.radius > 0.5 for disc in found)

@@ -206,13 +206,11 @@ def _information(problem: Problem, parameters: FloatArray, used: np.ndarray) -> 
         de.append((ep - em)[used] / (2e-4 * size))
         dS.append((Sp - Sm)[used] / (2e-4 * size))
     DE, DS = np.stack(de), np.stack(dS)
-    count = len(scale)
-    flat, half = DE.reshape(count, -1), inverse @ DS
-    turned = np.swapaxes(half, 2, 3).reshape(count, -1)
-    information = flat @ (inverse @ DE[..., None]).reshape(count, -1).T
-    information += 0.5 * half.reshape(count, -1) @ turned.T
-    gradient = -flat @ bent.ravel() - 0.5 * np.trace(half, axis1=2, axis2=3).sum(axis=1)
-    gradient += 0.5 * DS.reshape(count, -1) @ (bent[:, :, None] * bent[:, None, :]).ravel()
+    half = np.einsum("ncd,pnde->pnce", inverse, DS)
+    information = np.einsum("pnc,ncd,qnd->pq", DE, inverse, DE, optimize=True)
+    information += 0.5 * np.einsum("pncd,qndc->pq", half, half, optimize=True)
+    gradient = -np.einsum("pnc,nc->p", DE, bent) - 0.5 * np.einsum("pncc->p", half)
+    gradient += 0.5 * np.einsum("nc,pncd,nd->p", bent, DS, bent, optimize=True)
     precision = problem.prior_sd**-2.0
     gradient += problem.tilt - precision * (parameters - problem.prior_mean)
     return information + np.diag(precision), gradient
