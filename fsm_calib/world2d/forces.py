@@ -61,11 +61,17 @@ def add_dry_way(W, px, py, dx, dy, size):
 
 
 @njit(**ARITHMETIC)
-def add_dry_moment(W, size, rate, other):
-    """Add a dry moment of `size` [N m] against turning; below `rate` and the `other` rate [rad/s] either half of it
-    acts as a damper.
+def add_dry_moment(W, size, rate):
+    """Add a dry moment of `size` [N m] against turning; below `rate` [rad/s] it acts as a damper."""
+    add_dry_moments(W, size, rate, rate)
+
+
+@njit(**ARITHMETIC)
+def add_dry_moments(W, size, rate_l, rate_r):
+    """Add a dry moment of `size` [N m] against turning, half of it under either wheel; each half acts as a damper below
+    its own rate [rad/s].
     """
-    add_contact(W, size, 0.0, 0.0, 1.0, rate, other)
+    add_contact(W, size, 0.0, 0.0, 1.0, rate_l, rate_r)
 
 
 @njit(**ARITHMETIC)

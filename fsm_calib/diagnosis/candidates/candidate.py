@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted; a name needs more
+FAINT = 12.0  # log-likelihood units: below, only a scan's best candidate is fitted, no larger one sought
 GROWTH = 3.0  # times what a candidate promises: as much as moving it and fitting it in full has won of others
 
 

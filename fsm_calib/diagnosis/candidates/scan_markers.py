@@ -63,17 +63,18 @@ class Wrong:
     face: float = 0.0
     view: float = math.pi
 
+    @property
+    def from_one_side(self) -> bool:
+        """Whether it counts by some headings alone."""
+        return self.view < math.pi
+
 
 TURNED, SHIFTED, HEADING = Wrong(1, 1.0), Wrong(3, 1.0), Wrong(1, 0.0)
-FACES, VIEWS = (
-    np.arange(-0.75, 1.01, 0.25) * math.pi,
-    (0.6, 1.2, 1.8),
-)  # rad: of boards that are seen from one side
+# Boards that are seen from one side [rad]: as they are sought; by how much the best are turned, how wide they may see.
+FACES = np.arange(-0.75, 1.01, 0.25) * math.pi
+VIEWS = (0.6, 1.2, 1.8)
+TURNED_BY, WIDTH = (0.2, 0.1, 0.05, 0.025), (0.4, 2.4)
 FROM_ONE_SIDE = tuple(Wrong(3, 1.0, face, view) for face in FACES.tolist() for view in VIEWS)
-TURNED_BY, WIDTH = (
-    (0.2, 0.1, 0.05, 0.025),
-    (0.4, 2.4),
-)  # rad, by which the best are turned, and how wide they may see
 COARSE = 2.0  # times the usual pitch: boards that are entered and left by turning are less sharp in place
 
 
@@ -111,7 +112,7 @@ class Disc:
         numbers = {"turn": float(np.clip(self.turn, -1.0, 1.0)), "rigid": self.wrong.rigid}
         if self.shift_x or self.shift_y:
             numbers |= {"shift_x": self.shift_x, "shift_y": self.shift_y}
-        if self.wrong.view < math.pi:
+        if self.wrong.from_one_side:
             numbers |= {"face": self.wrong.face, "view": self.wrong.view}
         acting = {f"{effect.name}.{name}": value for name, value in numbers.items()}
         return Area(self.x, self.y, self.radius, self.radius).numbers(effect) | acting
@@ -162,16 +163,17 @@ def likely_discs(jumps: Sequence[Jumps], wrong: Wrong, kept: int = KEPT, size: f
     place = np.vstack([j.place for j in jumps])
     wide = Frames.of(place, [(j.wide, j.wide_spread) for j in jumps])
     narrow = Frames.of(place, [(j.jump, j.spread) for j in jumps])
-    coarse = COARSE if wrong.view < math.pi else 1.0
-    discs = _grid(place[:, :2], size, coarse)
+    coarse = COARSE if wrong.from_one_side else 1.0
+    discs = _grid(place, size, coarse)
     promise = wide.numbers(discs, wrong)[:, 0]
     any_good = promise > 0.0
     promise, discs = promise[any_good], discs[any_good]
     best = [discs[i] for i in apart(promise, discs[:, :2], kept, size * APART)]
-    first = (COARSE * MOVED_WIDE[0],) if coarse > 1.0 else ()
+    first = (COARSE * MOVED_WIDE[0],) if wrong.from_one_side else ()
     by = [[size * step for step in steps] for steps in ((*first, *MOVED_WIDE), MOVED)]
     moved = [narrow.moved(wide.moved(disc, by[0], wrong), by[1], wrong) for disc in best]
-    found = [narrow.disc(*narrow.looked(disc, wrong, by[1])) for disc in moved]
+    looked = [narrow.looked(disc, wrong, by[1]) if wrong.from_one_side else (disc, wrong) for disc in moved]
+    found = [narrow.disc(*one) for one in looked]
     return sorted(found, key=lambda disc: -disc.promise)
 
 
@@ -186,7 +188,7 @@ def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray],
     jumps = [jumps_of(p, s, SURE_JUMP) for p, s in zip(prepared, simulated, strict=True)]
     size = robot_size(float(prepared[0].geometry[0]))
     best = max((disc.promise for disc in likely_discs(jumps, TURNED, size=size)), default=0.0)
-    discs = len(_grid(np.vstack([j.place for j in jumps])[:, :2], size))
+    discs = len(_grid(np.vstack([j.place for j in jumps]), size))
     return float(2.0 * best - DISC_NUMBERS * np.log(count) - 2.0 * np.log(discs))
 
 
@@ -219,9 +221,9 @@ class Frames:
 
     def looked(self, disc: FloatArray, wrong: Wrong, steps: Sequence[float]) -> tuple[FloatArray, Wrong]:
         """Turn the face and widen the view of a board by ever smaller steps to where it promises most, the disc (3,)
-        moved by `steps` [m] after each; all others stay.
+        moved by `steps` [m] after each.
         """
-        for turned in TURNED_BY if wrong.view < math.pi else ():
+        for turned in TURNED_BY:
             tried = [
                 replace(
                     wrong, face=wrong.face + a * turned, view=float(np.clip(wrong.view + b * turned, *WIDTH))

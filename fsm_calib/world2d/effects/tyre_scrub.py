@@ -24,7 +24,7 @@ from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.effects.places import contact_arm
-from fsm_calib.world2d.forces import add_dry_moment
+from fsm_calib.world2d.forces import add_dry_moments
 from fsm_calib.world2d.slots import OMEGA, SLIP_SPEED, V
 
 
@@ -36,7 +36,7 @@ def scrub(P, o, S, m, W):
         roll_l = P[o + 3] * (S[V] - contact_arm(W, 0, 1.0) * S[OMEGA])
         roll_r = P[o + 3] * (S[V] - contact_arm(W, 1, 1.0) * S[OMEGA])
         rate_l, rate_r = math.sqrt(rate_l**2 + roll_l**2), math.sqrt(rate_r**2 + roll_r**2)
-    add_dry_moment(W, P[o], rate_l, rate_r)
+    add_dry_moments(W, P[o], rate_l, rate_r)
     if P[o + 2] != 0.0:
         W[SLIP_SPEED] = math.sqrt(W[SLIP_SPEED] ** 2 + (P[o + 2] * S[OMEGA]) ** 2)
 
