@@ -10,6 +10,7 @@ from diagnosis_robots import engine_of, fitted_number, recording, selector_on
 from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.candidates.speed_loop import HOLD
+from fsm_calib.diagnosis.candidates.supply_end import CEILING, LOOP
 from fsm_calib.diagnosis.candidates.usual_loop import MOST, integral_told, with_usual_loop
 from fsm_calib.diagnosis.fitting.base import fit_base
 from fsm_calib.diagnosis.verdict.bared import ranked_if_bared
@@ -80,6 +81,15 @@ def test_a_controller_whose_integral_ends_on_a_slope_is_found_on_the_bare_base()
     fit = with_usual_loop(engine, fit_base(engine), Rivals([]))
     assert fitted_number(fit, HOLD) == pytest.approx(3.0, rel=0.1)
     assert fitted_number(fit, MOST) == pytest.approx(0.1, abs=0.01)
+
+
+def test_a_supply_that_ends_just_above_full_command_is_kept_without_an_integral_that_never_ends():
+    robot = {**CONTROLLER, "speed_controller__most": 1.0, "speed_controller__ceiling": 1.12}
+    engine = engine_of(*(recording(seed, asked=2.0, **robot) for seed in (0, 1)))
+    fit = with_usual_loop(engine, fit_base(engine), Rivals([]))
+    for name, true, within in ((HOLD, 3.0, 0.3), (CEILING, 1.12, 0.04), (LOOP, 1.5, 0.2)):
+        assert fitted_number(fit, name) == pytest.approx(true, abs=within)
+    assert not found_free(fit, MOST)
 
 
 def test_bounds_that_no_drive_feels_are_not_taken():

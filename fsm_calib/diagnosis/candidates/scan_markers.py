@@ -80,12 +80,12 @@ COARSE = 2.0  # times the usual pitch: boards that are entered and left by turni
 
 @dataclass(frozen=True, eq=False)
 class Jumps:
-    """Unexplained motion about each pose: place (n, 3) [m, m, rad], jump (n, 3) in world axes, spread (3,).
+    """Unexplained motion about each pose (n, 3) [m, m, rad]: jump (n, 3) in world axes, spread (3,).
 
     wide, wide_spread : the same over the longer time that a grid of discs needs.
     """
 
-    place: FloatArray
+    pose: FloatArray
     jump: FloatArray
     spread: FloatArray
     wide: FloatArray
@@ -160,11 +160,11 @@ def likely_discs(jumps: Sequence[Jumps], wrong: Wrong, kept: int = KEPT, size: f
 
     size : of the robot, as `robot_size` tells it.
     """
-    place = np.vstack([j.place for j in jumps])
-    wide = Frames.of(place, [(j.wide, j.wide_spread) for j in jumps])
-    narrow = Frames.of(place, [(j.jump, j.spread) for j in jumps])
+    pose = np.vstack([j.pose for j in jumps])
+    wide = Frames.of(pose, [(j.wide, j.wide_spread) for j in jumps])
+    narrow = Frames.of(pose, [(j.jump, j.spread) for j in jumps])
     coarse = COARSE if wrong.from_one_side else 1.0
-    discs = _grid(place, size, coarse)
+    discs = _grid(pose, size, coarse)
     promise = wide.numbers(discs, wrong)[:, 0]
     any_good = promise > 0.0
     promise, discs = promise[any_good], discs[any_good]
@@ -188,28 +188,28 @@ def jump_evidence(prepared: Sequence[Prepared], simulated: Sequence[FloatArray],
     jumps = [jumps_of(p, s, SURE_JUMP) for p, s in zip(prepared, simulated, strict=True)]
     size = robot_size(float(prepared[0].geometry[0]))
     best = max((disc.promise for disc in likely_discs(jumps, TURNED, size=size)), default=0.0)
-    discs = len(_grid(np.vstack([j.place for j in jumps]), size))
+    discs = len(_grid(np.vstack([j.pose for j in jumps]), size))
     return float(2.0 * best - DISC_NUMBERS * np.log(count) - 2.0 * np.log(discs))
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """All frames: place (n, 3) [m, m, rad], jump (n, 3), nan where a recording begins or breaks, weights (n, 3)."""
+    """All frames: pose (n, 3) [m, m, rad], jump (n, 3), nan where a recording begins or breaks, weights (n, 3)."""
 
-    place: FloatArray
+    pose: FloatArray
     jump: FloatArray
     weight: FloatArray
 
     @classmethod
-    def of(cls, place: FloatArray, jumps: Sequence[tuple[FloatArray, FloatArray]]) -> Frames:
+    def of(cls, pose: FloatArray, jumps: Sequence[tuple[FloatArray, FloatArray]]) -> Frames:
         """Join the jumps (n, 3) of all recordings, each with its spread (3,)."""
         weight = [np.tile(spread**-2, (len(jump), 1)) for jump, spread in jumps]
-        return cls(place, np.vstack([jump for jump, _ in jumps]), np.vstack(weight))
+        return cls(pose, np.vstack([jump for jump, _ in jumps]), np.vstack(weight))
 
     def numbers(self, discs: FloatArray, wrong: Wrong) -> FloatArray:
         """Return promise, turn [rad] and shift [m] of discs (m, 3), shape (m, 4)."""
-        looks = np.cos(self.place[:, 2] - wrong.face) >= math.cos(wrong.view)
-        found = _numbers(self.place, looks, self.jump, self.weight, discs, wrong.numbers, wrong.rigid)
+        looks = np.cos(self.pose[:, 2] - wrong.face) >= math.cos(wrong.view)
+        found = _numbers(self.pose, looks, self.jump, self.weight, discs, wrong.numbers, wrong.rigid)
         return np.asarray(found, dtype=float)
 
     def moved(self, disc: FloatArray, steps: Sequence[float], wrong: Wrong) -> FloatArray:

@@ -10,6 +10,7 @@ is then set free: beside scrub 2,010 units of log-likelihood, where an integral 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -22,19 +23,21 @@ from fsm_calib.diagnosis.candidates.free_number import (
     unless_stood_in,
     with_held,
 )
+from fsm_calib.diagnosis.candidates.ranked import evidence_of
 from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.candidates.speed_loop import CLEARLY, HOLD, SLOWEST, is_clear, with_likelier_rest
 from fsm_calib.diagnosis.candidates.supply_end import CEILING, LOOP
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE, settled, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.fitting.slot import Slot, with_slots
-from fsm_calib.diagnosis.fitting.wald import wald
 from fsm_calib.world2d.effects.speed_controller import EFFECT
 from fsm_calib.world2d.effects.speed_loop import AMPLE, NEVER
 
 MOST = f"{EFFECT.name}.most"
 LEAST = {HOLD: SLOWEST, MOST: 0.03, CEILING: AMPLE, LOOP: 0.3}
 """Numbers of a controller (1/s, else 1) with the least of each: an integral that ends at once is a dry friction."""
+WITHOUT = {CEILING: {CEILING: NEVER, LOOP: EFFECT.parameter("loop").null}, MOST: {MOST: NEVER}}
+"""Ends of a controller, with the numbers of one that has none: a supply that is short is a finding, no controller."""
 USUAL = ((2.0, 0.1, 1.25, 1.5), (2.0, 0.2, 1.25, 1.5), (4.0, 0.2, 1.25, 1.5))
 """Usual controllers, of which the one that does best beside all others is set free."""
 FAR_BELOW = (
@@ -53,10 +56,13 @@ def with_usual_loop(engine: Engine, fit: Fit, rivals: Rivals) -> Fit:
     def freed(fit: Fit) -> Fit:
         if not _may_have_one(engine, fit):
             return fit
-        free = _where_it_ends(engine, _with_all_free(engine, _beside_a_usual_one(engine, fit)))
-        [(slot, most, _)] = found_free(free, MOST)
-        is_felt = most > CLEARLY * LEAST[MOST] and wald(free, [slot]) >= NEEDED
-        return with_likelier_rest(engine, free) if is_felt and is_clear(engine, free, fit) else fit
+        free = _with_all_free(engine, _beside_a_usual_one(engine, fit))
+        if any(most <= CLEARLY * LEAST[MOST] for _, most, _ in found_free(free, MOST)):
+            return fit
+        for name, bare in WITHOUT.items():
+            free = _unless_idle(engine, free, name, bare)
+        has_ends = any(found_free(free, name) for name in WITHOUT)
+        return with_likelier_rest(engine, free) if has_ends and is_clear(engine, free, fit) else fit
 
     return unless_stood_in(engine, fit, freed, rivals)
 
@@ -88,13 +94,19 @@ def _slots() -> list[Slot]:
     return [replace(slot_of(name), low=low) for name, low in LEAST.items()]
 
 
-def _where_it_ends(engine: Engine, free: Fit) -> Fit:
-    """Return a fit without an end of its supply where that rests at its least: one that is short is a finding."""
-    ends = found_free(free, CEILING)
-    if any(value > CLEARLY * LEAST[CEILING] for _, value, _ in ends):
-        return free
-    bare = with_held(with_held(free, CEILING, NEVER), LOOP, EFFECT.parameter("loop").null)
-    return settled(engine, engine.fit(bare.values, bare.slots, bare.noise))
+def _unless_idle(engine: Engine, free: Fit, name: str, without: Mapping[str, float]) -> Fit:
+    """Return a fit without an end that rests at its least, or that no drive needs.
+
+    without : numbers of a controller that has no such end. Its covariance cannot tell: an end comes down until the one
+    moment feels it that reaches farthest.
+    """
+    [(_, value, _)] = found_free(free, name)
+    bare = free
+    for held, number in without.items():
+        bare = with_held(bare, held, number)
+    bare = settled(engine, engine.fit(bare.values, bare.slots, bare.noise))
+    ends = value > LEAST[name] and evidence_of(free, bare, engine.count) >= NEEDED
+    return free if ends else bare
 
 
 def integral_told(fit: Fit) -> list[str]:
