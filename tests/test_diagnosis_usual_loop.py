@@ -92,6 +92,16 @@ def test_a_supply_that_ends_just_above_full_command_is_kept_without_an_integral_
     assert not found_free(fit, MOST)
 
 
+def test_where_limits_of_acceleration_explain_more_the_controller_is_found_beside_them():
+    limits = {"motor_asymmetric_lag__ramp_up": 1.0, "motor_asymmetric_lag__ramp_down": 1.0}
+    selector, _, ranking = ranked_on({**CONTROLLER, **limits, "asked": 2.0}, "motor_asymmetric_lag")
+    rivals = Rivals(selector.catalogue)
+    assert with_usual_loop(selector.engine, selector.base, rivals, asked_again=True) is selector.base
+    fit = with_usual_loop(selector.engine, ranking[0].fit, Rivals([]))
+    assert fitted_number(fit, HOLD) == pytest.approx(3.0, rel=0.15)
+    assert fitted_number(fit, "motor_asymmetric_lag.ramp_up") == pytest.approx(1.0, rel=0.05)
+
+
 def test_bounds_that_no_drive_feels_are_not_taken():
     robot = {"speed_controller__hold": 3.0, "coulomb_friction__friction": 0.005}
     engine = engine_of(*(recording(seed, **robot) for seed in (0, 1)))

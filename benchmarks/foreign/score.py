@@ -87,7 +87,9 @@ def departures_of(key: dict[str, Any]) -> set[str]:
 def built_in(key: dict[str, Any]) -> set[str]:
     """Return the names of what every robot of the engine has, or of its kind there."""
     on_a_fork = key["engine"] == "drake" and key["robot"]["mass"] > CART
-    return BUILT_IN[""] | BUILT_IN.get(key["engine"], set()) | ({"caster_drag"} if on_a_fork else set())
+    ramps = "ramp" in (key.get("control") or {})  # a controller that limits acceleration
+    own = ({"caster_drag"} if on_a_fork else set()) | ({"motor_asymmetric_lag"} if ramps else set())
+    return BUILT_IN[""] | BUILT_IN.get(key["engine"], set()) | own
 
 
 def found_as_built(answer: dict[str, Any], key: dict[str, Any]) -> set[str]:

@@ -61,6 +61,7 @@ def unless_stood_in(
     freed: Callable[[Fit], Fit],
     rivals: Rivals,
     instead: Callable[[Ranked], Fit | None] = lambda rival: None,
+    asked_again: bool = False,
 ) -> Fit:
     """Return the base with a number free that has strong evidence, also beside the rival that explains more.
 
@@ -68,7 +69,8 @@ def unless_stood_in(
     where it has one like it: of two that do as well, the robot's own is likelier than a part that came out of
     place; rivals : effects that are asked whether one does as well by itself. They are ranked as a catalogue is,
     none given up for the evidence of the number: so a dead zone that has ten times as much was lost to a charge,
-    and a scrubbing tyre (463 for 109) whose starts, to first order, reach too little.
+    and a scrubbing tyre (463 for 109) whose starts, to first order, reach too little. asked_again : the number has
+    its say beside the first effect, too; so a rival that explains more goes first, beside which it has other values.
     """
     free = freed(base)
     evidence = evidence_of_freed(engine, free, base)
@@ -77,6 +79,8 @@ def unless_stood_in(
     ranking = rivals.ranked_on(engine, base)
     if not ranking or ranking[0].evidence <= evidence:
         return free
+    if asked_again:
+        return base
     rival = ranking[0].fit
     if evidence_of_freed(engine, freed(rival), rival) >= max(NEEDED, KEPT * evidence):
         return free

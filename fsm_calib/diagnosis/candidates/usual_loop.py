@@ -46,11 +46,11 @@ FAR_BELOW = (
 FIRST_STEPS = 2  # Gauss-Newton steps after which the one that promises most shows
 
 
-def with_usual_loop(engine: Engine, fit: Fit, rivals: Rivals) -> Fit:
+def with_usual_loop(engine: Engine, fit: Fit, rivals: Rivals, asked_again: bool = False) -> Fit:
     """Return a fit with a controller whose integral and supply end, where that has strong evidence over one that has
     no such ends or over none.
 
-    rivals : effects that are asked whether one does as well.
+    rivals : effects that are asked whether one does as well; asked_again : as `unless_stood_in` has it.
     """
 
     def freed(fit: Fit) -> Fit:
@@ -64,7 +64,7 @@ def with_usual_loop(engine: Engine, fit: Fit, rivals: Rivals) -> Fit:
         has_ends = any(found_free(free, name) for name in WITHOUT)
         return with_likelier_rest(engine, free) if has_ends and is_clear(engine, free, fit) else fit
 
-    return unless_stood_in(engine, fit, freed, rivals)
+    return unless_stood_in(engine, fit, freed, rivals, asked_again=asked_again)
 
 
 def _may_have_one(engine: Engine, fit: Fit) -> bool:
@@ -95,7 +95,7 @@ def _slots() -> list[Slot]:
 
 
 def _unless_idle(engine: Engine, free: Fit, name: str, without: Mapping[str, float]) -> Fit:
-    """Return a fit without an end that rests at its least, or that no drive needs.
+    """Return a fit without an end that rests at its least, that is out of reach, or that no drive needs.
 
     without : numbers of a controller that has no such end. Its covariance cannot tell: an end comes down until the one
     moment feels it that reaches farthest.
@@ -105,8 +105,8 @@ def _unless_idle(engine: Engine, free: Fit, name: str, without: Mapping[str, flo
     for held, number in without.items():
         bare = with_held(bare, held, number)
     bare = settled(engine, engine.fit(bare.values, bare.slots, bare.noise))
-    ends = value > LEAST[name] and evidence_of(free, bare, engine.count) >= NEEDED
-    return free if ends else bare
+    ends = LEAST[name] < value < NEVER / CLEARLY
+    return free if ends and evidence_of(free, bare, engine.count) >= NEEDED else bare
 
 
 def integral_told(fit: Fit) -> list[str]:

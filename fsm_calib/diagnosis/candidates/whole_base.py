@@ -38,5 +38,5 @@ def _with_controller(engine: Engine, base: Fit, lasting: Rivals) -> Fit:
     """Return the base with a speed controller where recordings ask for one, by its integral alone or whole."""
     looped = with_speed_loop(engine, base, lasting)
     if not found_free(looped, HOLD):
-        looped = with_usual_loop(engine, base, lasting)
+        looped = with_usual_loop(engine, base, lasting, asked_again=True)
     return with_supply_end(engine, looped, lasting)
