@@ -40,16 +40,6 @@ def test_a_limit_delays_a_start_by_its_time_for_each_metre_a_second():
     assert mean * 0.5 == pytest.approx(0.4 * (0.5 - 0.5 * 0.5 * 0.4))  # half of the ramp's 0.2 s are lost
 
 
-def test_a_controller_is_asked_for_what_has_passed_the_limit():
-    gain, ramp, grid = 0.6, 1.2, np.arange(0.0, 3.0, 0.01)
-    held = {"gain_left": gain, "gain_right": gain, "speed_controller__hold": 6.0}
-    limits = {"motor_asymmetric_lag__ramp_up": ramp, "motor_asymmetric_lag__ramp_down": ramp}
-    limited = speeds([0.2, 1.7], [0.5, 0.1], grid, **held, **limits)
-    times, edges = np.arange(0.2, 2.6, 0.004), [0.2, 0.2 + 0.5 * gain * ramp, 1.7, 1.7 + 0.4 * gain * ramp]
-    asked = np.interp(times + 0.002, edges, [0.0, 0.5, 0.5, 0.1])
-    assert limited == pytest.approx(speeds(times, asked, grid, **held), abs=1.5e-3)
-
-
 def number(decision, name):
     place = parameter_table().place(f"motor_asymmetric_lag.{name}")
     return float(decision.model.fit.values[0, place])

@@ -30,7 +30,7 @@ from fsm_calib.world2d.parameters import parameter_table
 
 HOLD, WEIGHT, DROPS = (f"{EFFECT.name}.{name}" for name in ("hold", "weight", "drops"))
 SLOWEST = 0.8  # 1/s: what is missing of the speed is made up for within some seconds, or nobody would call it control
-CLEARLY = 1.05  # times the slowest: what ends at its bound is something else
+CLEARLY = 1.05  # times the slowest, or the fastest: what ends at its bound is something else
 START, BARE = 4.0, 0.5  # 1/s; 1: the set point's weight of a controller without feed-forward
 
 
@@ -100,11 +100,10 @@ def _with_weight(engine: Engine, fit: Fit) -> Fit:
 
 
 def is_clear(engine: Engine, free: Fit, fit: Fit) -> bool:
-    """Return whether a freed integral has strong evidence, and is none that would take many seconds."""
-    return (
-        evidence_of_freed(engine, free, fit) >= NEEDED
-        and free.values[0, slot_of(HOLD).place] >= CLEARLY * SLOWEST
-    )
+    """Return whether a freed integral has strong evidence, and is none that would take many seconds, or no time."""
+    hold, usual = float(free.values[0, slot_of(HOLD).place]), slot_of(HOLD)
+    is_usual = CLEARLY * SLOWEST <= hold <= usual.high / CLEARLY
+    return is_usual and evidence_of_freed(engine, free, fit) >= NEEDED
 
 
 def loop_told(fit: Fit) -> list[str]:

@@ -10,11 +10,9 @@ be one motor's alone (r_l, r_r). The change is spread over 1 cm/s around standst
 let its output follow the command with a time constant upwards (rise [s]), downwards (fall [s]) or both ways (a filter
 of set points): then the motor's own lag comes on top. Or it limits by how much the output may change in a second:
 ramp [s2/m] is the time for each m/s. Either is of both motors or of the one that ramp_side tells; a filter may have
-a time constant of its own on each side, both ways (lag_l, lag_r [s]). Where a controller holds the speeds it is asked
-for what has passed ramp and filter, as by ros_control's limits of acceleration. Sources: H-bridge decay modes, e.g. TI
-DRV8833 data sheet, section 7.3.2; acceleration and deceleration ramps, e.g. Roboteq Controllers User Manual v2.1,
-"Acceleration and Deceleration"; a first-order filter of set points, Astrom & Hagglund, Advanced PID Control, 2006,
-section 5.3.
+a time constant of its own on each side, both ways (lag_l, lag_r [s]). Sources: H-bridge decay modes, e.g. TI DRV8833
+data sheet, section 7.3.2; acceleration and deceleration ramps, e.g. Roboteq Controllers User Manual v2.1, "Acceleration
+and Deceleration"; a first-order filter of set points, Astrom & Hagglund, Advanced PID Control, 2006, section 5.3.
 """
 
 from __future__ import annotations
@@ -220,6 +218,6 @@ EFFECT = Effect(
         ),
     ),
     memory=2,
-    order=46,
+    order=60,
     dissipative=True,
 )
