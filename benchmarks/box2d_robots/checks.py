@@ -18,13 +18,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from benchmarks.box2d_robots import generate  # it loads the laws
 from benchmarks.box2d_robots.checks_drives import driven, even, of_kind
 from benchmarks.box2d_robots.checks_laws import CHECKS
-from benchmarks.box2d_robots.laws import LABELS, OUTSIDE, laws_of
 from benchmarks.box2d_robots.machine import STEP, Machine
 from benchmarks.box2d_robots.parts import Robot, setup_of
 from benchmarks.box2d_robots.robots import KINDS
-from benchmarks.box2d_robots.simulate import Drive, replay, simulate
+from benchmarks.box2d_robots.simulate import simulate
 from benchmarks.displacements import moved
-from benchmarks.ode_robots.driver import Driver, start_of
+from benchmarks.robot_sets.driver import Driver, start_of
+from benchmarks.robot_sets.driving import Drive, replay
+from benchmarks.robot_sets.laws import OUTSIDE
 
 assert generate.MODULES
 
@@ -128,7 +129,7 @@ def law_table(labels: list[str]) -> int:
     wrong = 0
     print("label                    law                     without     with      size")
     for label in labels:
-        for law in laws_of(label):
+        for law in generate.SET.laws_of(label):
             without, with_it, good = CHECKS[label](law)
             wrong += not good
             size = math.sqrt(law.low * law.high)
@@ -149,7 +150,7 @@ def main() -> None:
     args = parser.parse_args()
     if not args.only:
         plant_table()
-    wrong = law_table([name for name in args.only.split(",") if name] or [*LABELS, OUTSIDE])
+    wrong = law_table([name for name in args.only.split(",") if name] or [*generate.SET.labels, OUTSIDE])
     print(f"{wrong} laws do something else than their label says")
     sys.exit(bool(wrong))
 

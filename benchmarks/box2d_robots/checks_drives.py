@@ -8,11 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.box2d_robots.laws import Draw, Law
 from benchmarks.box2d_robots.machine import STEP, Machine
 from benchmarks.box2d_robots.parts import Pair, Robot, Setup, setup_of
 from benchmarks.box2d_robots.robots import draw_robot
-from benchmarks.box2d_robots.simulate import Drive, simulate
+from benchmarks.box2d_robots.simulate import simulate
+from benchmarks.robot_sets.driving import Drive
+from benchmarks.robot_sets.laws import Draw, Law
 
 Found = tuple[float, float, bool]
 Check = Callable[[Law], Found]

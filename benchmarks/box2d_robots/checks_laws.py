@@ -19,11 +19,12 @@ from benchmarks.box2d_robots.checks_drives import (
     turns_less,
     winding,
 )
-from benchmarks.box2d_robots.laws import Law
 from benchmarks.box2d_robots.machine import Machine, Now
-from benchmarks.box2d_robots.parts import Hook, Pair, Poses, Setup
+from benchmarks.box2d_robots.parts import Hook, Pair, Setup
 from benchmarks.box2d_robots.simulate import simulate
-from benchmarks.ode_robots.sensing import report
+from benchmarks.robot_sets.driving import Poses
+from benchmarks.robot_sets.laws import Law
+from benchmarks.robot_sets.sensing import report
 
 
 def _later(law: Law) -> Found:

@@ -15,7 +15,7 @@ import math
 
 import numba
 
-from benchmarks.box2d_robots.parts import Array
+from benchmarks.robot_sets.driving import Array
 
 G = 9.81
 # X: pairs are left, right

@@ -10,10 +10,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.box2d_robots.laws import Draw, law
+from benchmarks.box2d_robots.laws import law
 from benchmarks.box2d_robots.machine import Machine, Now
 from benchmarks.box2d_robots.parts import Control, Hook, Setup
 from benchmarks.box2d_robots.robots import full_rate, full_speed
+from benchmarks.robot_sets.laws import Draw
 
 
 @law(

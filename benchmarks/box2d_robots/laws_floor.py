@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from benchmarks.box2d_robots.laws import Draw, law
+from benchmarks.box2d_robots.laws import law
 from benchmarks.box2d_robots.machine import Machine, Now
 from benchmarks.box2d_robots.parts import Hook, Pair, Setup
+from benchmarks.robot_sets.laws import Draw
 
 Where = Callable[[float, float], float]
 
@@ -48,8 +49,7 @@ def leaning_pile(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
     (0.002, 0.5),
     "1",
     "fibres lay over under each wheel and carry it along the nap by a share of the way rolled (carpet "
-    "drift of"
-    " robot vacuums, iRobot, carpet drift estimation)",
+    "drift of robot vacuums, iRobot, carpet drift estimation)",
 )
 def creeping_fibres(setup: Setup, size: float, draw: Draw) -> dict[str, float]:
     at = draw.between(0, -math.pi, math.pi)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 
-from benchmarks.box2d_robots.laws import OUTSIDE, Draw, law
+from benchmarks.box2d_robots.laws import law
 from benchmarks.box2d_robots.laws_floor import felt_by_wheels, strip_of
 from benchmarks.box2d_robots.machine import Machine, Now
 from benchmarks.box2d_robots.parts import Hook, Setup
 from benchmarks.box2d_robots.robots import full_speed
+from benchmarks.robot_sets.laws import OUTSIDE, Draw
 
 
 def _weight(setup: Setup) -> float:

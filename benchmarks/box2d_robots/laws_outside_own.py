@@ -6,10 +6,11 @@ import math
 
 import Box2D
 
-from benchmarks.box2d_robots.laws import OUTSIDE, Draw, law
+from benchmarks.box2d_robots.laws import law
 from benchmarks.box2d_robots.machine import Machine, Now
 from benchmarks.box2d_robots.parts import Hook, Setup
 from benchmarks.box2d_robots.robots import full_speed
+from benchmarks.robot_sets.laws import OUTSIDE, Draw
 
 
 @law(

@@ -7,9 +7,10 @@ import math
 import Box2D
 import numpy as np
 
-from benchmarks.box2d_robots.laws import Draw, law
+from benchmarks.box2d_robots.laws import law
 from benchmarks.box2d_robots.machine import Machine, Now
 from benchmarks.box2d_robots.parts import Hook, Setup
+from benchmarks.robot_sets.laws import Draw
 
 
 def _moments(seed: int, run: int, every: float) -> list[float]:

@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 
-from benchmarks.box2d_robots.laws import Draw, law
-from benchmarks.box2d_robots.parts import Array, Clock, Marker, Poses, Setup, Smooth, Tag
+from benchmarks.box2d_robots.laws import law
+from benchmarks.box2d_robots.parts import Clock, Marker, Setup, Smooth, Tag
+from benchmarks.robot_sets.driving import Array, Poses
+from benchmarks.robot_sets.laws import Draw
 
 
 @law(

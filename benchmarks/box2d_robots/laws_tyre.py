@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from benchmarks.box2d_robots.laws import Draw, law
+from benchmarks.box2d_robots.laws import law
 from benchmarks.box2d_robots.machine import Machine, Now
 from benchmarks.box2d_robots.parts import Hook, Setup
+from benchmarks.robot_sets.laws import Draw
 
 
 @law(

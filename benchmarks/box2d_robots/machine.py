@@ -9,7 +9,8 @@ import numpy as np
 
 from benchmarks.box2d_robots import core
 from benchmarks.box2d_robots.control import Controller
-from benchmarks.box2d_robots.parts import Array, Hook, Pair, Plant, Setup
+from benchmarks.box2d_robots.parts import Hook, Pair, Plant, Setup
+from benchmarks.robot_sets.driving import Array
 
 STEP = 0.002  # s
 PARTS = 4  # of a step, in which wheels and motors advance
@@ -154,7 +155,9 @@ def _inputs(plant: Plant) -> Array:
 
 
 class Machine:
-    """A robot under way."""
+    """A robot under way; in the plane it cannot fall over."""
+
+    has_fallen = False
 
     def __init__(self, setup: Setup, run: int, start: tuple[float, float, float], step: float = STEP) -> None:
         """Put the robot at rest at `start` and let its laws take hold."""
@@ -180,6 +183,11 @@ class Machine:
         body.massData = Box2D.b2MassData(mass=self.plant.mass, center=(cx, cy), I=self.plant.inertia)
         return body
 
+    @property
+    def motors(self) -> Pair:
+        """How far the motors have turned [rad]."""
+        return float(self.now.turned[0]), float(self.now.turned[1])
+
     def advance(self, told: Pair) -> None:
         """Advance by one step under a command; the engine moves the body by the forces found."""
         now, body = self.now, self.body
@@ -199,13 +207,8 @@ class Machine:
 
     def _look(self) -> None:
         """Read the body's motion from the engine."""
-        body, now, speed, place, angle = (
-            self.body,
-            self.now,
-            self.body.linearVelocity,
-            self.body.position,
-            self.body.angle,
-        )
+        body, now = self.body, self.now
+        speed, place, angle = body.linearVelocity, body.position, body.angle
         if abs(angle) > 3.3:
             turn = math.copysign(2.0 * math.pi, angle)
             body.angle = angle = angle - turn

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.robot_sets.driving import Array, Poses
+
 if TYPE_CHECKING:
     from benchmarks.box2d_robots.machine import Machine, Now
 
-Array = NDArray[Any]
 Pair = tuple[float, float]
-Poses = tuple[Array, Array, Array]
 Hook = Callable[["Now"], None]
 Factory = Callable[["Machine", int], Hook]
 Clock = Callable[[Array], Array]

@@ -15,13 +15,14 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from benchmarks.displacements import moved
-from benchmarks.ode_robots.driver import Driver, start_of
 from benchmarks.ode_robots.engine import STEP
 from benchmarks.ode_robots.machine import Machine, Now
 from benchmarks.ode_robots.plant import Robot
 from benchmarks.ode_robots.robots import KINDS, draw_robot
-from benchmarks.ode_robots.setup import Hook, Poses, Setup, setup_of
-from benchmarks.ode_robots.simulate import Drive, replay, simulate
+from benchmarks.ode_robots.setup import Hook, Setup, setup_of
+from benchmarks.ode_robots.simulate import simulate
+from benchmarks.robot_sets.driver import Driver, start_of
+from benchmarks.robot_sets.driving import Drive, Poses, replay
 
 START = (0.1, -0.2, 0.7)
 

@@ -6,9 +6,10 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from benchmarks.ode_robots.laws import Draw, law
+from benchmarks.ode_robots.laws import law
 from benchmarks.ode_robots.plant import Foot
 from benchmarks.ode_robots.setup import Hook, Setup, Tyre
+from benchmarks.robot_sets.laws import Draw
 
 if TYPE_CHECKING:
     from benchmarks.ode_robots.machine import Machine, Now

@@ -6,8 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from benchmarks.ode_robots.engine import GRAVITY
-from benchmarks.ode_robots.laws import OUTSIDE, Draw, law
+from benchmarks.ode_robots.laws import law
 from benchmarks.ode_robots.setup import Hook, Setup
+from benchmarks.robot_sets.laws import OUTSIDE, Draw
 
 if TYPE_CHECKING:
     from benchmarks.ode_robots.machine import Machine, Now

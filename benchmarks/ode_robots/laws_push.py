@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.ode_robots.engine import GRAVITY
-from benchmarks.ode_robots.laws import Draw, law
+from benchmarks.ode_robots.laws import law
 from benchmarks.ode_robots.setup import Hook, Setup
+from benchmarks.robot_sets.laws import Draw
 
 if TYPE_CHECKING:
     from benchmarks.ode_robots.machine import Machine, Now

@@ -7,8 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.ode_robots.laws import Draw, law
-from benchmarks.ode_robots.setup import Array, Clock, Marker, Poses, Setup, Smooth, Tag
+from benchmarks.ode_robots.laws import law
+from benchmarks.ode_robots.setup import Clock, Marker, Setup, Smooth, Tag
+from benchmarks.robot_sets.driving import Array, Poses
+from benchmarks.robot_sets.laws import Draw
 
 
 @law(

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from benchmarks.ode_robots.laws import Draw, law
+from benchmarks.ode_robots.laws import law
 from benchmarks.ode_robots.setup import Hook, Setup
+from benchmarks.robot_sets.laws import Draw
 
 if TYPE_CHECKING:
     from benchmarks.ode_robots.machine import Machine, Now

@@ -14,6 +14,7 @@ from benchmarks.ode_robots.feet import stand
 from benchmarks.ode_robots.setup import Hook, Setup
 
 SINK = 0.0002  # m that a wheel sinks in under its load
+LYING = 0.4  # upward part of the axle's direction from which on a robot has fallen over
 
 
 class Now:
@@ -133,6 +134,16 @@ class Machine:
                 now.rate[side] = w[0] * a[0] + w[1] * a[1] + w[2] * a[2]
             else:
                 now.rate[side] = self.hinges[side].getAngleRate()
+
+    @property
+    def motors(self) -> tuple[float, float]:
+        """How far the motors have turned [rad]."""
+        return self.now.angle[0], self.now.angle[1]
+
+    @property
+    def has_fallen(self) -> bool:
+        """Whether the robot lies on its side."""
+        return abs(self.axis[2]) > LYING
 
     def advance(self, told: tuple[float, float]) -> None:
         """Make one step under a command."""

@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.ode_robots.plant import Plant, Robot, Sensing
+from benchmarks.robot_sets.driving import Array, Poses
 
 if TYPE_CHECKING:
     from benchmarks.ode_robots.machine import Machine, Now
 
-Array = NDArray[Any]
-Poses = tuple[Array, Array, Array]
 Hook = Callable[["Now"], None]
 Factory = Callable[["Machine", int], Hook | None]
 Clock = Callable[[Array], Array]

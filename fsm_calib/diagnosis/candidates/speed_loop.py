@@ -101,8 +101,8 @@ def _with_weight(engine: Engine, fit: Fit) -> Fit:
 
 def is_clear(engine: Engine, free: Fit, fit: Fit) -> bool:
     """Return whether a freed integral has strong evidence, and is none that would take many seconds, or no time."""
-    hold, usual = float(free.values[0, slot_of(HOLD).place]), slot_of(HOLD)
-    is_usual = CLEARLY * SLOWEST <= hold <= usual.high / CLEARLY
+    slot = slot_of(HOLD)
+    is_usual = CLEARLY * SLOWEST <= float(free.values[0, slot.place]) <= slot.high / CLEARLY
     return is_usual and evidence_of_freed(engine, free, fit) >= NEEDED
 
 

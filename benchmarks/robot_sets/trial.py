@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from benchmarks.ode_robots.driver import Driver, start_of
-from benchmarks.ode_robots.laws import SENSED, Draw, Law
-from benchmarks.ode_robots.plant import Robot
-from benchmarks.ode_robots.robots import NUISANCES, without
-from benchmarks.ode_robots.setup import Setup, setup_of
-from benchmarks.ode_robots.simulate import Drive, RanOff, replay, simulate
-from benchmarks.ode_robots.sizing import Seen, basis, compare, tell
+from benchmarks.robot_sets.driver import Driver, start_of
+from benchmarks.robot_sets.driving import Drive, RanOff, Robot, Setup, replay
+from benchmarks.robot_sets.laws import SENSED, Draw, Law
+from benchmarks.robot_sets.sizing import Seen, basis, compare, tell
 
 FIRST = 26.0  # s of the drive on which departures and sizes are sought
 RUNS = ("run-a", "run-b", "run-h")
@@ -38,10 +37,27 @@ class Effect:
     seconds: list[float] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class Physics:
+    """What an engine does with a robot.
+
+    setup_of(robot) : it as it is; simulate(setup, tell, seconds, run, start) : a drive; departures : names of what it
+    has besides; without(robot, name) : it without one of them; stronger(robot) : as it is, its left motor stronger by
+    0.05 %.
+    """
+
+    setup_of: Callable[[Any], Any]
+    simulate: Callable[..., Drive]
+    departures: Iterable[str]
+    without: Callable[[Any, str], Any]
+    stronger: Callable[[Any], Any]
+
+
 @dataclass
 class Trial:
     """A robot, its three starts and lengths, and what was driven."""
 
+    physics: Physics
     robot: Robot
     faint: bool
     seeds: list[int]
@@ -54,7 +70,7 @@ class Trial:
 
     def setup(self, effects: list[Effect]) -> Setup:
         """Return the robot with some of its effects."""
-        setup = setup_of(self.robot)
+        setup = self.physics.setup_of(self.robot)
         for effect in effects:
             effect.law.apply(setup, effect.size, effect.draw)
         return setup
@@ -63,40 +79,39 @@ class Trial:
         """Drive with the driver of a run, for its whole length or a part of it."""
         rng = np.random.default_rng(self.seeds[run])
         driver = Driver(rng, self.robot.area, self.robot.tick, 2 * self.robot.sensing.noise_xy)
-        return simulate(setup, driver, seconds or self.seconds[run], run, self.starts[run])
+        return self.physics.simulate(setup, driver, seconds or self.seconds[run], run, self.starts[run])
 
     def again(self, setup: Setup, drive: Drive, run: int, seconds: float | None = None) -> Drive:
         """Tell the commands of a drive again."""
         length = drive.seconds if seconds is None else min(seconds, drive.seconds)
-        return simulate(setup, replay(drive.commands, drive.tick), length, run, self.starts[run])
+        return self.physics.simulate(setup, replay(drive.commands, drive.tick), length, run, self.starts[run])
 
     def _base(self) -> Drive:
         if self.first is None:
             raise Unreachable("nothing driven yet")
         return self.first
 
+    def ratio(self, setup: Setup, drive: Drive) -> float:
+        """Return how much a robot that drove the first commands differs from the plain one."""
+        base, robot = self._base(), self.robot
+        plain, other = tell(self.setup([]), base, 0), tell(setup, drive, 0)
+        return compare(robot, [other], [plain], [basis(robot, base)]).ratio
+
     def must_be_steady(self) -> None:
         """Raise Unreachable where a left motor stronger by 0.05 % drives visibly otherwise."""
-        base, plain = self._base(), self.setup([])
-        other = self.setup([])
-        other.plant = replace(plain.plant, stall=(plain.plant.stall[0] * 1.0005, plain.plant.stall[1]))
-        drive = self.again(other, base, 0)
-        seen = compare(self.robot, [tell(other, drive, 0)], [tell(plain, base, 0)], [basis(self.robot, base)])
-        if math.sqrt(seen.ratio**2 - 1.0) > STEADY[self.faint]:
-            raise Unreachable(f"unsteady: {seen.ratio:.3f}")
+        other = self.physics.stronger(self.robot)
+        ratio = self.ratio(other, self.again(other, self._base(), 0))
+        if math.sqrt(ratio**2 - 1.0) > STEADY[self.faint]:
+            raise Unreachable(f"unsteady: {ratio:.3f}")
 
     def departures(self) -> None:
         """Find the ratio of each departure on the first drive; raise Unreachable where one is too large."""
-        base, plain = self._base(), self.setup([])
-        for name in NUISANCES:
-            setup = setup_of(without(self.robot, name))
-            drive = base if name == "tag" else self.again(setup, base, 0)
-            seen = compare(
-                self.robot, [tell(plain, base, 0)], [tell(setup, drive, 0)], [basis(self.robot, base)]
-            )
-            self.ratios[name] = seen.ratio
-            if seen.ratio > MOST[self.faint]:
-                raise Unreachable(f"{name} shows with {seen.ratio:.2f}")
+        for name in self.physics.departures:
+            setup = self.physics.setup_of(self.physics.without(self.robot, name))
+            drive = self._base() if name == "tag" else self.again(setup, self._base(), 0)
+            self.ratios[name] = self.ratio(setup, drive)
+            if self.ratios[name] > MOST[self.faint]:
+                raise Unreachable(f"{name} shows with {self.ratios[name]:.2f}")
 
     def size_alone(self, effect: Effect) -> None:
         """Find the size of one effect that reaches its goal on the first drive, by bisection of its logarithm."""
@@ -183,6 +198,7 @@ def spots_of(rng: np.random.Generator, drive: Drive) -> tuple[tuple[float, float
 
 
 def new_trial(
+    physics: Physics,
     rng: np.random.Generator,
     robot: Robot,
     laws: list[Law],
@@ -193,7 +209,8 @@ def new_trial(
     """Return a trial with its first drive and effects whose sizes are not yet found."""
     starts = [start_of(rng, robot.area) for _ in RUNS]
     seconds = [round(float(rng.uniform(55.0, 70.0)) / robot.tick) * robot.tick for _ in RUNS]
-    trial = Trial(robot, faint, [int(k) for k in rng.integers(2**31, size=3)], starts, seconds)
+    seeds = [int(k) for k in rng.integers(2**31, size=3)]
+    trial = Trial(physics, robot, faint, seeds, starts, seconds)
     trial.first = trial.live(trial.setup([]), 0, FIRST)
     for law, goal in zip(laws, goals):
         spots = spots_of(rng, trial.first)

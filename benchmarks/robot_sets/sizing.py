@@ -9,10 +9,8 @@ import numpy as np
 from scipy.signal import lfilter
 
 from benchmarks.displacements import moved
-from benchmarks.ode_robots.plant import Robot
-from benchmarks.ode_robots.sensing import report
-from benchmarks.ode_robots.setup import Array, Poses, Setup
-from benchmarks.ode_robots.simulate import Drive
+from benchmarks.robot_sets.driving import Array, Drive, Poses, Robot, Setup
+from benchmarks.robot_sets.sensing import report
 
 GRID, WINDOW, BETWEEN = 0.1, 2.0, 0.5  # s
 LAG = 0.1  # s, of the kinematic robot whose small changes are taken out

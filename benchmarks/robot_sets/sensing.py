@@ -7,9 +7,7 @@ import math
 import numpy as np
 
 from benchmarks.displacements import floor_of
-from benchmarks.ode_robots.plant import Robot, Sensing
-from benchmarks.ode_robots.setup import Array, Poses, Setup
-from benchmarks.ode_robots.simulate import EVERY, Drive
+from benchmarks.robot_sets.driving import EVERY, Array, Drive, Poses, Robot, Sensing, Setup
 from fsm_calib.recording.channels import CommandTrack, PoseTrack, WheelPair
 from fsm_calib.recording.recording import Recording, RobotFacts
 
