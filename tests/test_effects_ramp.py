@@ -40,6 +40,17 @@ def test_a_limit_delays_a_start_by_its_time_for_each_metre_a_second():
     assert mean * 0.5 == pytest.approx(0.4 * (0.5 - 0.5 * 0.5 * 0.4))  # half of the ramp's 0.2 s are lost
 
 
+def test_a_controller_of_speed_follows_a_limited_set_point():
+    controller = {"speed_controller__hold": 6.0, "speed_controller__weight": 0.3}
+    ramp, grid, fine = 0.9, np.arange(0.0, 2.5, 0.1), 0.002
+    steps = np.arange(0.0, 1.0, fine)
+    limited = np.minimum(0.4, (steps + 0.5 * fine) / (ramp * GAIN_LEFT))  # a step to 0.4
+    stepwise = speeds(steps, limited, grid, gain_right=GAIN_LEFT, **controller)
+    found = speeds([0.0], [0.4], grid, gain_right=GAIN_LEFT, motor_asymmetric_lag__ramp_up=ramp, **controller)
+    assert found == pytest.approx(stepwise, abs=1e-3)
+    assert max(found) > 1.02 * 0.4 * GAIN_LEFT  # it overshoots
+
+
 def number(decision, name):
     place = parameter_table().place(f"motor_asymmetric_lag.{name}")
     return float(decision.model.fit.values[0, place])

@@ -25,7 +25,7 @@ import numba
 from fsm_calib.world2d import arithmetic, dynamics, forces, loop, plain, slots, tyres
 from fsm_calib.world2d.effects import Effect, hooked, per_catalogue, registry
 from fsm_calib.world2d.effects.code import constants_of, files_of, texts_of
-from fsm_calib.world2d.effects.vocabulary import COMPILED_HOOKS
+from fsm_calib.world2d.effects.vocabulary import COMPILED_HOOKS, STEPPED
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.private_folder import private_folder
 
@@ -103,13 +103,11 @@ def _stages(bare: bool) -> str:
     """
     njit = "@njit(**ARITHMETIC{})\n"
     kept, plain = njit.format(", cache=True"), njit.format("")
-    any_on = " or ".join(f"on[{flag_places()[effect.name]}]" for effect in _hooked("step", bare))
+    acting = dict.fromkeys(effect.name for stage in STEPPED for effect in _hooked(stage, bare))
+    any_on = " or ".join(f"on[{flag_places()[name]}]" for name in acting)
     noted = f"    W[HOOKED] = 1.0 if {any_on} else 0.0\n" if any_on else ""
-    hooks = (
-        f"    if W[HOOKED] > 0.0:\n{_calls('step', bare, '{name}(P, {o}, S, {m}, W)', '        ')}"
-        if any_on
-        else ""
-    )
+    calls = "".join(_calls(stage, bare, "{name}(P, {o}, S, {m}, W)", " " * 8) for stage in STEPPED)
+    hooks = f"    if W[HOOKED] > 0.0:\n{calls}" if any_on else ""
     return (
         f"{kept}def begin(P, on, W):\n    begin_base(P, W)\n"
         f"{_calls('begin', bare, '{name}(P, {o}, W)')}    share_load(P, W)\n"

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from fsm_calib.errors import InputError
 from fsm_calib.types import FloatArray, read_only
 from fsm_calib.world2d.effects import per_catalogue, registry
+from fsm_calib.world2d.effects.vocabulary import STEPPED
 from fsm_calib.world2d.kernel import flag_places, kernel, memory_places
 from fsm_calib.world2d.loop import OUTPUTS
 from fsm_calib.world2d.parameters import parameter_table
@@ -94,8 +95,8 @@ def _strengths() -> tuple[FloatArray, FloatArray, FloatArray]:
 
 @per_catalogue
 def _readers() -> tuple[Flags, Flags]:
-    """Return two flags an effect: whether its step hook reads place, heading or roll, and whether it reads the roll."""
-    step = [effect.reads if "step" in effect.hooks else () for effect in registry().values()]
+    """Return two flags an effect: whether its steps read place, heading or roll, and whether it reads the roll."""
+    step = [effect.reads if set(STEPPED) & set(effect.hooks) else () for effect in registry().values()]
     return np.array([bool(reads) for reads in step]), np.array(["wheel_angle" in reads for reads in step])
 
 

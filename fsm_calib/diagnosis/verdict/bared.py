@@ -56,7 +56,7 @@ def _ranked_with(selector: Selector, bank: Bank, ranking: list[Ranked], name: st
         return selector, bank, ranking
     others = [effect for effect in selector.catalogue if effect.name != leader.name and not effect.scan]
     freed = freeing(selector.engine, leader.fit, Rivals(others, selector.banks))
-    return _anew(selector, freed, leader) if found_free(freed, name) else (selector, bank, ranking)
+    return (selector, bank, ranking) if freed is leader.fit else _anew(selector, freed, leader)
 
 
 def _ranked_as_it_rests(selector: Selector, bank: Bank, ranking: list[Ranked]) -> Found:

@@ -20,6 +20,7 @@ from fsm_calib.world2d.effects.vocabulary import (
     INPUTS,
     READS,
     REGIMES,
+    STEPPED,
     WHEN,
     WHERE,
     require,
@@ -159,9 +160,7 @@ def _check_hooks(effect: Effect) -> None:
                 f"the hook {stage} is not compiled",
                 "Put @njit(error_model='numpy') of numba above it.",
             )
-    if "step" not in effect.hooks:
-        return
-    used = names_used([effect.hooks["step"]])
+    used = names_used([hook for stage, hook in effect.hooks.items() if stage in STEPPED])
     for word, slots in READS.items():
         if used & set(slots) and word not in effect.reads:
             raise _wrong(effect, f"its step reads {' and '.join(slots)}", f"Declare reads=({word!r}, ...).")

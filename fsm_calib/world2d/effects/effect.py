@@ -7,7 +7,8 @@ effects into one program, so that any combination runs without compiling again:
     begin(P, o, W)             once per roll-out: masses, geometry, loads
     shape(P, o, u, side) -> u  static map of a held command [1] of one wheel (side 0 left, 1 right)
     delay(P, o) -> seconds     how much later a command acts
-    step(P, o, S, m, W)        once per step, before the wheels meet the ground; may keep memory in S[m:]
+    set_point(P, o, S, m, W)   once per step, before all steps: what becomes of the set points W[TARGET:]
+    step(P, o, S, m, W)        once per step, before the wheels meet the ground; both may keep memory in S[m:]
 
 P is the parameter vector and o the place of the effect's first parameter; S, W are the arrays of `slots`. Three
 hooks work on whole recordings, with NumPy:
@@ -74,8 +75,8 @@ class Effect:
     names it is easily taken for, `separates` says what tells them apart and `manoeuvre` which drive shows it;
     `sentence` is the report's line, with ``{parameter}`` for fitted values, ``{parameter:ahead|behind}`` where a word
     says the sign; `where`, `when`, `acts_on`, `reads`, `inexact`,
-    `universal`, `phenomenon` and `closures`: see the module's text; `memory` counts the state slots that the
-    step hook keeps; `order` sorts hooks within a stage (small first); `input` says which drives can show it: any,
+    `universal`, `phenomenon` and `closures`: see the module's text; `memory` counts the state slots that its hooks
+    keep; `order` sorts hooks within a stage (small first); `input` says which drives can show it: any,
     commands (measured wheel speeds have their motors behind them), commanded twists, or drives whose wheels were
     measured by us or by the robot's own controller; `jumps` says that the pose itself jumps at the edge of a place;
     `excludes` names what a robot cannot have that has this; `phenomenon` defaults to the name in words.

@@ -2,14 +2,16 @@ r"""Slowing down takes another time than speeding up.
 
     F = D (T - w) a,    a = 1 where the motor drives, a = 1 / ratio where it brakes ((T - w) w < 0)
     T' = (T_command - T) / tau,    tau = rise where the command's size grows, fall where it shrinks or turns over
-    |T'| <= 1 / ramp,    ramp = ramp_up where the size grows, ramp_down where it shrinks or turns over
+    |T_s'| <= 1 / ramp,  ramp = ramp_up where the size grows, ramp_down where it shrinks or turns over
 
 F [N] at the rim, D [N s/m], T no-load and w actual rim speed [m/s]; ratio [1] = time constant of slowing down
 over that of speeding up: above 1 for a driver that lets the motor coast, below 1 for one that shorts it. It may
 be one motor's alone (r_l, r_r). The change is spread over 1 cm/s around standstill and no-load. A driver may instead
 let its output follow the command with a time constant upwards (rise [s]), downwards (fall [s]) or both ways (a filter
-of set points): then the motor's own lag comes on top. Or it limits by how much the output may change in a second:
-ramp [s2/m] is the time for each m/s. Either is of both motors or of the one that ramp_side tells; a filter may have
+of set points): then the motor's own lag comes on top. Or the set point T_s may change by so much in a second at most:
+ramp [s2/m] is the time for each m/s. Firmware limits what its loop is asked for, so a controller of speed follows the
+limited set point, where there is one; a filter acts behind it (before a loop without feed-forward it would do what dry
+friction does against it). Either is of both motors or of the one that ramp_side tells; a filter may have
 a time constant of its own on each side, both ways (lag_l, lag_r [s]). Sources: H-bridge decay modes, e.g. TI DRV8833
 data sheet, section 7.3.2; acceleration and deceleration ramps, e.g. Roboteq Controllers User Manual v2.1, "Acceleration
 and Deceleration"; a first-order filter of set points, Astrom & Hagglund, Advanced PID Control, 2006, section 5.3.
@@ -85,18 +87,36 @@ def ramped(before, wanted, up, down, step):
 
 
 @njit(error_model="numpy")
-def brake(P, o, S, m, W):
-    """Let the drivers follow the commands, and scale the motors' slope where they brake."""
-    limited = P[o + 5] > 0.0 or P[o + 6] > 0.0
+def is_limited(P, o):
+    """Return whether set points may change by so much in a second at most."""
+    return P[o + 5] > 0.0 or P[o + 6] > 0.0
+
+
+@njit(error_model="numpy")
+def limit(P, o, S, m, W):
+    """Let the set points change by what the limits allow, before a controller of speed follows them."""
+    if not is_limited(P, o):
+        return
     for side in range(2):
-        before, wanted = S[m + side], W[TARGET + side]
+        wanted = W[TARGET + side]
         if is_the_others(P[o + 7], side):
             S[m + side] = wanted
-        elif limited:
-            W[TARGET + side], S[m + side] = ramped(before, wanted, P[o + 5], P[o + 6], W[STEP])
         else:
-            lag = P[o + 8 + side]
-            W[TARGET + side], S[m + side] = follow(before, wanted, P[o + 3] + lag, P[o + 4] + lag, W[STEP])
+            W[TARGET + side], S[m + side] = ramped(S[m + side], wanted, P[o + 5], P[o + 6], W[STEP])
+
+
+@njit(error_model="numpy")
+def brake(P, o, S, m, W):
+    """Let the drivers follow what they are given, and scale the motors' slope where they brake."""
+    filters = not is_limited(P, o)
+    for side in range(2):
+        wanted, lag = W[TARGET + side], P[o + 8 + side]
+        if filters and is_the_others(P[o + 7], side):
+            S[m + side] = wanted
+        elif filters:
+            W[TARGET + side], S[m + side] = follow(
+                S[m + side], wanted, P[o + 3] + lag, P[o + 4] + lag, W[STEP]
+            )
         rim = S[RIM + side]
         against = (W[TARGET + side] - rim) * rim
         share = 0.5 - 0.5 * against / math.sqrt(against * against + SOFT**4)
@@ -148,7 +168,7 @@ EFFECT = Effect(
         of_one_driver_or_both("ramp_side", "s"),
         *of_each_wheel(_ramp("lag", "tau")),
     ),
-    hooks={"step": brake},
+    hooks={"set_point": limit, "step": brake},
     channels=("forward", "turn"),
     regimes=("transient", "stopping"),
     separates="shows after steps down and not after steps up; a delay shows after both",

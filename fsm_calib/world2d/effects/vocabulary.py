@@ -20,7 +20,10 @@ CHANNELS = ("forward", "lateral", "turn", "sensor")
 INPUTS = ("any", "command", "twist", "wheels")
 """Which drives can show an effect."""
 
-COMPILED_HOOKS = ("begin", "shape", "delay", "step")
+STEPPED = ("set_point", "step")
+"""What acts once a step, in this order: on what each motor is asked for, and on all that follows."""
+
+COMPILED_HOOKS = ("begin", "shape", "delay", *STEPPED)
 """Where an equation acts on the robot: what `kernel` weaves into the compiled program."""
 
 POSE_HOOKS = ("clock", "smooth", "observe")
