@@ -53,6 +53,20 @@ def test_within_a_slow_sensors_log_a_long_rest_stays():
     assert not held[resting].any()
 
 
+@pytest.mark.parametrize(("speed", "is_dropped"), [(2.0, True), (0.0, False)])
+def test_a_pose_that_is_held_for_longer_is_dropped_where_the_wheels_turn_all_the_while(speed, is_dropped):
+    pose, lost = sampled(4.0), (FINE >= 10.0) & (FINE < 12.0)
+    pose[lost] = 3.25
+    rate = np.where(lost, speed, 3.0)
+    recording = Recording(
+        robot=RobotFacts(name="lost"),
+        pose=PoseTrack(FINE, *pose.T, np.zeros(len(FINE))),
+        wheel_rate=WheelPair(FINE, rate, rate),
+    )
+    kept = without_held_rows(recording).pose.time
+    assert ((kept > 10.0) & (kept < 12.0)).any() != is_dropped
+
+
 def test_what_was_dropped_is_told():
     pose, rate = sampled(4.0), sampled(20.0)
     recording = Recording(

@@ -4,7 +4,9 @@ Tables are often written at one rate for all columns. A sensor that is slower ho
 robot seems to stand still and to jump with every new one. A number with noise never comes again to its last digit, so
 such rows are known: nearly all changes are new numbers, most are followed by repeats, and the repeats last a fraction
 of a second. They are dropped; a set-point that holds for long, a robot at rest on a quiet tracker and numbers of few
-digits stay, and so do means that state their own durations.
+digits stay, and so do means that state their own durations. A pose that such a sensor holds for longer is dropped, too,
+where the measured wheels turn all the while: it lost its way for a moment. (Registration of lidar scans stood still for
+0.65 s of a turn, and what the robot did meanwhile, all in one step, was said to be a push, 0.79.)
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ MOST_LONGER = 0.1  # share of changes after which a number holds longer: a robot
 LEAST_HELD = 0.4  # of all rows, below which a sensor is not slower than its log
 LEAST_NEW = 0.9  # of the changes bring a number that never came before: fewer, and it has few digits
 FEWEST = 20  # changes
+TURNING = 0.1  # of the speed that wheels pass in a tenth of the rows: slower, they may rest
 
 
 def without_held_rows(recording: Recording) -> Recording:
@@ -33,7 +36,8 @@ def without_held_rows(recording: Recording) -> Recording:
         channel = getattr(recording, name)
         if channel is None or getattr(channel, "duration", None) is not None:
             continue
-        held = held_rows(channel.time, _numbers(channel))
+        going = _turning(recording, channel.time) if name == "pose" else None
+        held = held_rows(channel.time, _numbers(channel), going)
         if not held.any():
             continue
         fresh = channel.rows(~held)
@@ -51,10 +55,11 @@ def without_held_rows(recording: Recording) -> Recording:
     return dataclasses.replace(recording, **changes, checks=(*recording.checks, *found))  # type: ignore[arg-type]
 
 
-def held_rows(time: FloatArray, numbers: FloatArray) -> np.ndarray:
+def held_rows(time: FloatArray, numbers: FloatArray, going: np.ndarray | None = None) -> np.ndarray:
     """Return which rows (n,) repeat a slow sensor's number; `numbers` (n, k) at `time` (n,) [s].
 
-    Zeros are no repeats: wheels at rest have no noise.
+    Zeros are no repeats: wheels at rest have no noise. going : whether the robot was surely under way at a row (n,),
+    where that is known; a number that is held throughout is a repeat however long.
     """
     none = np.zeros(len(time), dtype=bool)
     if len(time) < 2:
@@ -66,14 +71,29 @@ def held_rows(time: FloatArray, numbers: FloatArray) -> np.ndarray:
     moving = awake[begins]
     short = lasts <= LONGEST
     new = len(np.unique(numbers[begins[moving]], axis=0))
-    held = same & np.repeat(short, np.diff(begins, append=len(time)))
+    lengths = np.diff(begins, append=len(time))
+    held = same & np.repeat(short, lengths)
     is_slow = (
         int(moving.sum()) >= FEWEST
         and new >= LEAST_NEW * int(moving.sum())
         and float(np.mean(~short[moving])) <= MOST_LONGER
         and int(held.sum()) >= LEAST_HELD * int(awake.sum())
     )
-    return held if is_slow else none
+    if not is_slow:
+        return none
+    if going is None:
+        return held
+    return held | same & np.repeat(np.logical_and.reduceat(going, begins), lengths)
+
+
+def _turning(recording: Recording, time: FloatArray) -> np.ndarray | None:
+    """Return whether a measured wheel surely turned at times (n,) [s]; None where no wheel speeds were measured."""
+    pair = recording.wheel_rate if recording.wheel_rate is not None else recording.wheel_speed
+    if pair is None or len(pair) < 2:
+        return None
+    fastest = np.maximum(np.abs(pair.left), np.abs(pair.right))
+    last = np.clip(np.searchsorted(pair.time, time, side="right") - 1, 0, len(pair) - 1)
+    return np.asarray((fastest > TURNING * np.quantile(fastest, 0.9))[last])
 
 
 def _numbers(channel: PoseTrack | WheelPair) -> FloatArray:
