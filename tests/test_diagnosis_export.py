@@ -33,6 +33,7 @@ CASES = [
     {"command_saturation__limit": 0.3, "command_saturation__soft": 1.0},
     {"motor_reverse_asymmetry__loss": 0.1, "motor_reverse_asymmetry__difference": 0.06},
     {"pwm_steps__share": 1.0},
+    {"pwm_steps__share": 0.9, "pwm_steps__levels": 19.0, "pwm_steps__nearest": 1.0},
     {
         "motor_deadband__offset_right": 0.05,
         "command_saturation__limit": 0.4,

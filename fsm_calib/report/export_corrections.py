@@ -17,9 +17,9 @@ def _command_saturation(u: float, side: int) -> float:
 ''',
     "pwm_steps": '''\
 def _pwm_steps(u: float, side: int) -> float:
-    """Round the command down to whole PWM numbers; `share` of the rounding acts."""
-    share, levels = {share!r}, {levels!r}
-    whole = math.floor(abs(u) * levels + 1e-9) / levels
+    """Round the command to whole PWM numbers; `share` of the rounding acts."""
+    share, levels, nearest = {share!r}, {levels!r}, {nearest!r}
+    whole = math.floor(abs(u) * levels + 0.5 * nearest + 1e-9) / levels
     return u + share * (math.copysign(whole, u) - u)
 ''',
     "motor_deadband": '''\

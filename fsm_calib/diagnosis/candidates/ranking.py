@@ -27,6 +27,7 @@ from fsm_calib.diagnosis.candidates.plausible import plausible_of
 from fsm_calib.diagnosis.candidates.ranked import Ranked, evidence_of, simplest, strongest
 from fsm_calib.diagnosis.candidates.scan import Scanner, scan_of
 from fsm_calib.diagnosis.candidates.scanned import Plan, Plans, scanned
+from fsm_calib.diagnosis.candidates.searched import likeliest_values
 from fsm_calib.diagnosis.candidates.starts import Prober, Start, distinct_of
 from fsm_calib.diagnosis.fitting.base import SPEED_NOISE
 from fsm_calib.diagnosis.fitting.begins import begins_of
@@ -221,7 +222,8 @@ class Bank:
     def _starts(self, hypothesis: Hypothesis, hope: float) -> list[Start]:
         """Return where to start a form; nowhere if no start wins `hope`, nor all they may change, to first order."""
         effect = registry()[hypothesis.effect]
-        choices = declared_starts(hypothesis, self._measured(effect))
+        given = self._measured(effect) | likeliest_values(self.prober, hypothesis)
+        choices = declared_starts(hypothesis, given)
         few = self.distinct.get(hypothesis, range(len(choices)))
         first = [choices[i] for i in few]
         probes = dict(zip(few, self.prober.probes(hypothesis, first), strict=True))

@@ -72,7 +72,8 @@ def _check_parameter(effect: Effect, p: Parameter) -> None:
         raise UnknownNameError(
             "unit", error.name, error.known, where=f"effect {effect.name}, parameter {p.name}"
         ) from None
-    for name, value in (("null", p.null), ("typical", p.typical), *(("starts", x) for x in p.starts)):
+    tried = (*(("starts", x) for x in p.starts), *(("searched", x) for x in p.searched))
+    for name, value in (("null", p.null), ("typical", p.typical), *tried):
         if not p.low <= value <= p.high:
             raise _wrong(
                 effect, f"{p.name}: {name} is {value:g}, not within {p.low:g} to {p.high:g} {p.unit}"

@@ -138,8 +138,8 @@ class Effect:
 
     @property
     def choices(self) -> tuple[Parameter, ...]:
-        """Parameters that are tried at their start values instead of fitted."""
-        return tuple(p for p in self.parameters if not p.fitted and p.starts)
+        """Parameters that are tried at their start values, or searched, instead of fitted."""
+        return tuple(p for p in self.parameters if not p.fitted and (p.starts or p.searched))
 
     @property
     def rugged(self) -> tuple[Parameter, ...]:

@@ -41,6 +41,9 @@ class Parameter:
         a full difference) or ``swap:NAME`` with the value of another parameter.
     starts : tuple of float
         Values from which a fit should be started when the null value does not lead to the truth.
+    searched : tuple of float
+        Values of a number that is not fitted, each of which is tried by simulation: of how many steps a driver knows no
+        derivative tells. Tried where no closure holds it at a value.
     step : float
         A sensible finite-difference step, in `unit`; 0 means a thousandth of the typical size.
     natural_end : bool
@@ -92,6 +95,7 @@ class Parameter:
     with_encoders: bool = False
     mirror: str = "same"
     starts: tuple[float, ...] = ()
+    searched: tuple[float, ...] = ()
     step: float = 0.0
     natural_end: bool = False
     floor: bool = False
