@@ -18,6 +18,7 @@ from fsm_calib.recording.channels import Channel
 from fsm_calib.recording.ended_commands import without_unlogged_commands
 from fsm_calib.recording.held_rows import without_held_rows
 from fsm_calib.recording.interpolated_rows import without_interpolated_rows
+from fsm_calib.recording.lost_tracker import without_lost_poses
 from fsm_calib.recording.oddities import findings_of
 from fsm_calib.recording.recording import Finding, Recording
 from fsm_calib.recording.two_clocks import with_one_clock
@@ -61,7 +62,7 @@ def checked(
     recording = without_interpolated_rows(recording)
     if stated is not None:
         recording = with_guessed_units(with_one_clock(recording), stated)
-    recording = without_unlogged_commands(recording)
+    recording = without_lost_poses(without_unlogged_commands(recording))
     odd = findings_of(recording)
     _refuse_impossible(recording, odd, sources)
     return dataclasses.replace(recording, checks=(*recording.checks, *odd))

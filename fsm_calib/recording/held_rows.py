@@ -5,7 +5,7 @@ robot seems to stand still and to jump with every new one. A number with noise n
 such rows are known: nearly all changes are new numbers, most are followed by repeats, and the repeats last a fraction
 of a second. They are dropped; a set-point that holds for long, a robot at rest on a quiet tracker and numbers of few
 digits stay, and so do means that state their own durations. A pose that such a sensor holds for longer is dropped, too,
-where the measured wheels turn all the while: it lost its way for a moment. (Registration of lidar scans stood still for
+where the robot is under way all the while: it lost its way for a moment. (Registration of lidar scans stood still for
 0.65 s of a turn, and what the robot did meanwhile, all in one step, was said to be a push, 0.79.)
 """
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from fsm_calib.recording.channels import Channel, PoseTrack, WheelPair
 from fsm_calib.recording.recording import Finding, Recording
+from fsm_calib.recording.under_way import under_way
 from fsm_calib.types import FloatArray
 
 CHANNELS = ("pose", "wheel_rate", "wheel_speed")
@@ -25,7 +26,6 @@ MOST_LONGER = 0.1  # share of changes after which a number holds longer: a robot
 LEAST_HELD = 0.4  # of all rows, below which a sensor is not slower than its log
 LEAST_NEW = 0.9  # of the changes bring a number that never came before: fewer, and it has few digits
 FEWEST = 20  # changes
-TURNING = 0.1  # of the speed that wheels pass in a tenth of the rows: slower, they may rest
 
 
 def without_held_rows(recording: Recording) -> Recording:
@@ -36,7 +36,7 @@ def without_held_rows(recording: Recording) -> Recording:
         channel = getattr(recording, name)
         if channel is None or getattr(channel, "duration", None) is not None:
             continue
-        going = _turning(recording, channel.time) if name == "pose" else None
+        going = under_way(recording, channel.time) if name == "pose" else None
         held = held_rows(channel.time, _numbers(channel), going)
         if not held.any():
             continue
@@ -84,16 +84,6 @@ def held_rows(time: FloatArray, numbers: FloatArray, going: np.ndarray | None = 
     if going is None:
         return held
     return held | same & np.repeat(np.logical_and.reduceat(going, begins), lengths)
-
-
-def _turning(recording: Recording, time: FloatArray) -> np.ndarray | None:
-    """Return whether a measured wheel surely turned at times (n,) [s]; None where no wheel speeds were measured."""
-    pair = recording.wheel_rate if recording.wheel_rate is not None else recording.wheel_speed
-    if pair is None or len(pair) < 2:
-        return None
-    fastest = np.maximum(np.abs(pair.left), np.abs(pair.right))
-    last = np.clip(np.searchsorted(pair.time, time, side="right") - 1, 0, len(pair) - 1)
-    return np.asarray((fastest > TURNING * np.quantile(fastest, 0.9))[last])
 
 
 def _numbers(channel: PoseTrack | WheelPair) -> FloatArray:

@@ -27,6 +27,10 @@ phi [rad] the angle by which the wheels are ahead of the body, twist [rad] dry f
 stiffness (Coulomb's element in series with a spring: Jenkin's element; Al-Bender, Lampaert & Swevers, IEEE T. Automatic
 Control 50 (2005) 1883, section II). A Husky indoors: 0.04 rad, 1 cm of its wheels' way.
 
+A tyre whose contact is wide, as that of twin tyres on one hub, rolls about whichever part of it is pressed most, and
+the wheels seem as much farther apart or nearer. A stretch within the length over which scrubbing tyres spin
+(`tyre_scrub`) is modelled and has no name: that wheels skid is 1.3 and more.
+
 Treads that slide already hold a curve badly: the robot drifts outwards by l = -drift v omega, drift [s], as tyres do
 that yield (`lateral_slip`, whose equation this is).
 Source: Mandow, Martinez, Morales, Blanco, Garcia-Cerezo & Gonzalez, Experimental kinematics for wheeled skid-steer
@@ -36,11 +40,19 @@ mobile robots, IROS 2007, section III.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from numba import njit
 
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 from fsm_calib.world2d.slots import HALF_AXLE, INERTIA, MASS, SIDE_COMPLIANCE, STEP, TARGET
+
+
+def may_be_a_wide_contact(numbers: Mapping[str, float]) -> bool:
+    """Return whether the tyres of a model that scrub are as wide as the wheels seem farther apart, for
+    `Closure.has_twin`.
+    """
+    return abs(numbers["stretch"]) * numbers["axle_length"] <= numbers["tyre_scrub.spin"]
 
 
 @njit(error_model="numpy")
@@ -107,7 +119,7 @@ EFFECT = Effect(
         ),
     ),
     closures=(
-        Closure("full", ("stretch",), "at once"),
+        Closure("full", ("stretch",), "at once", has_twin=may_be_a_wide_contact),
         Closure("trailing", ("stretch", "trail"), "the body turns late",
             WIDER + ", and {trail} late."),
         Closure("winding up", ("stretch", "way"), "the treads wind up first",
