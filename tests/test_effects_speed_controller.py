@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 from diagnosis_robots import engine_of, judged, recording, selector_on
 
+from fsm_calib.diagnosis.candidates.free_number import with_free
 from fsm_calib.diagnosis.candidates.speed_loop import DROPS, HOLD, WEIGHT, loop_told
+from fsm_calib.diagnosis.candidates.usual_loop import MOST
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
 from fsm_calib.diagnosis.diagnose import diagnose
-from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.fitting.base import fit_base, slot_of
+from fsm_calib.diagnosis.verdict import bared
 from fsm_calib.diagnosis.verdict.bared import ranked_if_bared
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
@@ -179,3 +182,14 @@ def test_beside_dry_friction_a_late_robot_that_is_told_duties_is_given_none(hidd
     found = ranked_on({"coulomb_friction__friction": 0.02, **hidden}, *RIVALS)
     selector, _, _ = ranked_if_bared(*found)
     assert HOLD_PLACE not in free(selector.base)
+
+
+def test_a_number_that_is_found_in_place_of_the_one_that_was_asked_for_is_kept(monkeypatch):
+    def with_weight(engine, fit, rivals):
+        return with_free(engine, fit, [slot_of(WEIGHT)], (1.0,))
+
+    found = ranked_on({"coulomb_friction__friction": 0.02}, "coulomb_friction")
+    monkeypatch.setattr(bared, "NUMBERS", ((MOST, with_weight),))
+    selector, _, ranking = ranked_if_bared(*found)
+    assert WEIGHT_PLACE in free(selector.base)
+    assert ranking[0].name == "coulomb_friction"
