@@ -2,9 +2,13 @@
 
 import diagnosis_robots
 import pytest
-from diagnosis_robots import engine_of, judged, recording, with_encoders
+from diagnosis_robots import engine_of, judged, recording, selector_on, with_encoders
 
+from fsm_calib.diagnosis.candidates.free_number import found_free
+from fsm_calib.diagnosis.candidates.tyre_grip import RATIO
 from fsm_calib.diagnosis.candidates.whole_base import fit_whole_base
+from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.verdict.bared import ranked_if_bared
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import Drive
@@ -81,3 +85,13 @@ def test_a_slip_that_does_not_grow_with_the_rolling_speed_needs_no_ratio():
 
 def test_a_slip_ratio_is_held_where_no_encoder_shows_it():
     assert number_of("slip_ratio", [recording(seed, slip_ratio=0.3) for seed in (0, 1)]) is None
+
+
+@pytest.mark.parametrize(("ratio", "is_found"), [(0.3, True), (0.0, False)])
+def test_a_slip_ratio_that_a_late_command_hides_is_asked_beside_it(ratio, is_found):
+    engine = engine_of(*(with_encoders(seed, slip_ratio=ratio, command_delay__delay=0.2) for seed in (0, 1)))
+    selector = selector_on(fit_base(engine), engine, "command_delay", "motor_asymmetric_lag")
+    _, _, ranking = ranked_if_bared(selector, *selector.first_ranked())
+    assert ranking[0].name == "command_delay"
+    found = [value for _, value, _ in found_free(ranking[0].fit, RATIO)]
+    assert found == (pytest.approx([ratio], abs=0.1) if is_found else [])

@@ -13,13 +13,20 @@ is held.
 
 from __future__ import annotations
 
-from fsm_calib.diagnosis.candidates.free_number import NEEDED, evidence_of_freed, unless_stood_in, with_free
+from fsm_calib.diagnosis.candidates.free_number import (
+    NEEDED,
+    evidence_of_freed,
+    found_free,
+    unless_stood_in,
+    with_free,
+)
 from fsm_calib.diagnosis.candidates.rivals import Rivals
 from fsm_calib.diagnosis.fitting.base import grip_slot, have_encoders, slot_of
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 
 GRIPS = (0.35, 0.55, 0.9)  # 1: a tyre that hardly slips has no derivative to go by
 RATIOS = (0.1,)  # 1: nor has a ratio of 0
+RATIO = "slip_ratio"
 
 
 def with_tyres(engine: Engine, base: Fit, places: Rivals) -> Fit:
@@ -28,10 +35,18 @@ def with_tyres(engine: Engine, base: Fit, places: Rivals) -> Fit:
     places : effects of single places, which are asked whether they do as well as another grip.
     """
     gripped = unless_stood_in(engine, base, lambda fit: with_free_grip(engine, fit), places)
-    if not have_encoders(engine.simulators):
-        return gripped
-    rolling = with_free(engine, gripped, [slot_of("slip_ratio")], RATIOS)
-    return rolling if evidence_of_freed(engine, rolling, gripped) >= NEEDED else gripped
+    return with_slip_ratio(engine, gripped, places)
+
+
+def with_slip_ratio(engine: Engine, fit: Fit, _: Rivals) -> Fit:
+    """Return a fit with the tyres' slip ratio free where wheels were measured and it has strong evidence.
+
+    Asked beside the first effect, too: one that is late hides it, and a ratio that is left out makes poses late.
+    """
+    if not have_encoders(engine.simulators) or found_free(fit, RATIO):
+        return fit
+    rolling = with_free(engine, fit, [slot_of(RATIO)], RATIOS)
+    return rolling if evidence_of_freed(engine, rolling, fit) >= NEEDED else fit
 
 
 def with_free_grip(engine: Engine, fit: Fit) -> Fit:

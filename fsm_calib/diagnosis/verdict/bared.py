@@ -23,6 +23,7 @@ from fsm_calib.diagnosis.candidates.speed_loop import (
 )
 from fsm_calib.diagnosis.candidates.stiffness import STIFFNESS, with_stiffness
 from fsm_calib.diagnosis.candidates.supply_end import CEILING, with_supply_end
+from fsm_calib.diagnosis.candidates.tyre_grip import RATIO, with_slip_ratio
 from fsm_calib.diagnosis.candidates.usual_loop import MOST, with_usual_loop
 from fsm_calib.diagnosis.fitting.fit import Engine, Fit
 from fsm_calib.diagnosis.verdict.selection import Selector
@@ -37,6 +38,7 @@ NUMBERS: tuple[tuple[str, Freeing], ...] = (
     (CEILING, with_supply_end),
     (LAG, with_late_sight),
     (STIFFNESS, with_stiffness),
+    (RATIO, with_slip_ratio),
 )
 """Numbers of the base robot: full name, and what sets it free where the recordings ask for it."""
 
