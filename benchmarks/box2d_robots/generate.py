@@ -6,6 +6,7 @@ python benchmarks/box2d_robots/generate.py --seed 1 --robots 12 --out DIR [--onl
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
@@ -27,7 +28,8 @@ from benchmarks.box2d_robots.laws import GROUPS, LAWS
 from benchmarks.box2d_robots.parts import Robot, Setup, setup_of
 from benchmarks.box2d_robots.robots import NUISANCES, described, draw_robot, without
 from benchmarks.box2d_robots.simulate import simulate
-from benchmarks.robot_sets.robot_set import RobotSet, main
+from benchmarks.robot_sets.command_line import main
+from benchmarks.robot_sets.robot_set import RobotSet, robot
 from benchmarks.robot_sets.trial import Physics
 
 MODULES = (
@@ -56,4 +58,4 @@ SET = RobotSet(
 )
 
 if __name__ == "__main__":
-    main(__doc__, SET.tried)
+    main(__doc__, partial(robot, SET.tried))

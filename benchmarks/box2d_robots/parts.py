@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.robot_sets.driving import Array, Poses
+from benchmarks.robot_sets.driving import Array, Poses, Sensing
 
 if TYPE_CHECKING:
     from benchmarks.box2d_robots.machine import Machine, Now
@@ -76,23 +76,6 @@ class Plant:
     def free(self) -> float:
         """Return the mean free rate of a wheel [rad/s]."""
         return self.volts / (0.5 * sum(self.emf_const))
-
-
-@dataclass(frozen=True)
-class Sensing:
-    """Cameras and encoders: poses a second, noise, share of outliers and of missing poses, gaps, tag, ticks
-    a turn.
-    """
-
-    rate: float
-    noise_xy: float
-    noise_theta: float
-    tail: float
-    missing: float
-    gaps: int
-    tag: Pair
-    tag_yaw: float
-    encoder_ticks: int
 
 
 @dataclass(frozen=True)

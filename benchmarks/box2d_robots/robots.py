@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.box2d_robots.parts import Control, Pair, Plant, Robot, Sensing, Third
+from benchmarks.box2d_robots.parts import Control, Pair, Plant, Robot, Third
+from benchmarks.robot_sets.driving import Sensing
 
 Rng = np.random.Generator
 Range = tuple[float, float]

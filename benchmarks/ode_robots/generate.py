@@ -8,6 +8,7 @@ from __future__ import annotations
 import signal
 import sys
 from dataclasses import replace
+from functools import partial
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -31,7 +32,8 @@ from benchmarks.ode_robots.plant import Robot
 from benchmarks.ode_robots.robots import NUISANCES, described, draw_robot, without
 from benchmarks.ode_robots.setup import Setup, setup_of
 from benchmarks.ode_robots.simulate import simulate
-from benchmarks.robot_sets.robot_set import RobotSet, main
+from benchmarks.robot_sets.command_line import main
+from benchmarks.robot_sets.robot_set import RobotSet, robot
 from benchmarks.robot_sets.trial import Physics
 
 MODULES = (
@@ -81,4 +83,4 @@ def apart(seed: int, index: int, tries: int, out: Path) -> dict[str, Any] | str:
 
 
 if __name__ == "__main__":
-    main(__doc__, apart)
+    main(__doc__, partial(robot, apart))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from benchmarks.robot_sets.driving import Sensing
+
 Pair = tuple[float, float]
 
 
@@ -59,21 +61,6 @@ class Control:
     gain: float
     integral: float
     most_integral: float
-
-
-@dataclass(frozen=True)
-class Sensing:
-    """How poses and wheel angles are taken."""
-
-    rate: float
-    noise_xy: float
-    noise_theta: float
-    missing: float
-    tail: float
-    gaps: int
-    tag: Pair
-    tag_yaw: float
-    encoder_ticks: int
 
 
 @dataclass(frozen=True)

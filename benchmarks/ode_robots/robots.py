@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.ode_robots.engine import GRAVITY
-from benchmarks.ode_robots.plant import Control, Foot, Pair, Plant, Robot, Sensing
+from benchmarks.ode_robots.plant import Control, Foot, Pair, Plant, Robot
+from benchmarks.robot_sets.driving import Sensing
 
 Rng = np.random.Generator
 NUISANCES = ("mass_behind", "rolling", "caster", "asymmetry", "tag")

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.ode_robots.plant import Plant, Robot, Sensing
-from benchmarks.robot_sets.driving import Array, Poses
+from benchmarks.ode_robots.plant import Plant, Robot
+from benchmarks.robot_sets.driving import Array, Poses, Sensing
 
 if TYPE_CHECKING:
     from benchmarks.ode_robots.machine import Machine, Now

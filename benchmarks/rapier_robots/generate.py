@@ -5,8 +5,6 @@ python benchmarks/rapier_robots/generate.py --seed 1 --robots 12 --out DIR [--on
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 import sys
 import time
@@ -31,6 +29,7 @@ from benchmarks.rapier_robots.robots import described, draw_robot
 from benchmarks.rapier_robots.sensing import recorded
 from benchmarks.rapier_robots.simulate import RanOff
 from benchmarks.rapier_robots.trial import RUNS, Effect, Trial, Unreachable, new_trial
+from benchmarks.robot_sets.command_line import main
 from fsm_calib.recording.writers import write_recording
 
 MODULES = (laws_body, laws_command, laws_floor, laws_motor, laws_outside, laws_sensing)  # they add their laws
@@ -184,27 +183,5 @@ def robot(seed: int, index: int, out: Path, verbose: bool) -> dict[str, Any]:
     return key
 
 
-def main() -> None:
-    """Command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--robots", type=int, required=True)
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--only", default="", help="indices, with commas")
-    parser.add_argument("--verbose", action="store_true", help="tells what each robot carries")
-    args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
-    chosen = [int(k) for k in args.only.split(",") if k] or list(range(args.robots))
-    path = args.out / "keys.json"
-    old = json.loads(path.read_text()) if path.exists() and args.only else []
-    keys = {key["name"]: key for key in old}
-    for index in chosen:
-        key = robot(args.seed, index, args.out, args.verbose)
-        keys[key["name"]] = key
-        path.write_text(json.dumps([keys[n] for n in sorted(keys)], indent=1) + "\n")
-
-
 if __name__ == "__main__":
-    main()
+    main(__doc__, robot)

@@ -18,8 +18,11 @@ Place = tuple[float, float, float]
 Teller = Callable[[Place], tuple[float, float]]
 
 
-class Sensing(Protocol):
-    """How poses and wheel angles are taken."""
+@dataclass(frozen=True)
+class Sensing:
+    """How poses and wheel angles are taken: poses a second, noise [m] and [rad], shares of missing poses and of outliers,
+    how many gaps, the tag [m, rad], ticks a turn.
+    """
 
     rate: float
     noise_xy: float
@@ -35,7 +38,7 @@ class Sensing(Protocol):
 class Robot(Protocol):
     """A robot with its cameras and data sheet; area [m], tick [s] of its commands."""
 
-    sensing: Any
+    sensing: Sensing
     area: float
     tick: float
     sheet: dict[str, float]
@@ -45,7 +48,7 @@ class Setup(Protocol):
     """A robot with what laws do to how it is seen."""
 
     robot: Any
-    sensing: Any
+    sensing: Sensing
     clocks: list[Any]
     filters: list[Any]
     tags: list[Any]

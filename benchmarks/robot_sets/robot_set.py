@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -208,23 +206,3 @@ def robot(tried: Tried, seed: int, index: int, out: Path, verbose: bool) -> dict
 def name_of(index: int) -> str:
     """Return a robot's name."""
     return f"robot-{index:03d}"
-
-
-def main(about: str | None, tried: Tried) -> None:
-    """Command line; tried(seed, index, tries, out) : the key of an attempt at a robot, or why it reached nothing."""
-    parser = argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--robots", type=int, required=True)
-    parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--only", default="", help="indices, with commas")
-    parser.add_argument("--verbose", action="store_true", help="tells what each robot carries")
-    args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
-    chosen = [int(k) for k in args.only.split(",") if k] or list(range(args.robots))
-    path = args.out / "keys.json"
-    old = json.loads(path.read_text()) if path.exists() and args.only else []
-    keys = {key["name"]: key for key in old}
-    for index in chosen:
-        key = robot(tried, args.seed, index, args.out, args.verbose)
-        keys[key["name"]] = key
-        path.write_text(json.dumps([keys[n] for n in sorted(keys)], indent=1) + "\n")

@@ -9,11 +9,11 @@ the robot was told to drive, or its wheels turned, meanwhile, and the step after
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
 
 import numpy as np
 
 from fsm_calib.recording.recording import Finding, Recording
+from fsm_calib.recording.runs import runs_of
 from fsm_calib.recording.under_way import under_way
 from fsm_calib.types import FloatArray
 
@@ -50,10 +50,12 @@ def lost_rows(poses: FloatArray, going: np.ndarray) -> np.ndarray:
     """
     lost = np.zeros(len(poses), dtype=bool)
     size = _sizes(np.diff(poses, axis=0))
-    for first, end in _holds(size):
-        after = size[end : end + NEXT]
-        if going[first - 1 : end].any() and len(after) and size[end - 1] > LEAP * float(np.median(after)):
-            lost[first:end] = True
+    for begin, leap in runs_of(size == 0.0):
+        after = size[leap + 1 : leap + 1 + NEXT]
+        if leap - begin < FEWEST or not len(after) or not going[begin : leap + 1].any():
+            continue
+        if size[leap] > LEAP * float(np.median(after)):
+            lost[begin + 1 : leap + 1] = True
     return lost
 
 
@@ -62,12 +64,3 @@ def _sizes(steps: FloatArray) -> FloatArray:
     ways = np.column_stack([np.hypot(steps[:, 0], steps[:, 1]), np.abs(np.angle(np.exp(1j * steps[:, 2])))])
     usual = [float(np.median(way[way > 0.0])) if (way > 0.0).any() else 1.0 for way in ways.T]
     return np.asarray(np.hypot(ways[:, 0] / usual[0], ways[:, 1] / usual[1]))
-
-
-def _holds(size: FloatArray) -> Iterator[tuple[int, int]]:
-    """Yield the first row that repeats and the first that does not, of each run of repeats that has an end."""
-    still = np.concatenate([[False], size == 0.0, [False]])
-    edges = np.flatnonzero(np.diff(still.astype(int)))
-    for first, end in zip(edges[::2] + 1, edges[1::2] + 1, strict=True):
-        if end - first >= FEWEST and end < len(size) + 1:
-            yield int(first), int(end)

@@ -12,6 +12,8 @@ from fsm_calib.recording.channels import CommandTrack, PoseTrack, WheelPair
 from fsm_calib.recording.clear_moves import agreement, clear_moves
 from fsm_calib.recording.leaps import FASTEST_TURN, FEW_JUMPS, fastest_of, leaps
 from fsm_calib.recording.recording import GAP_FACTOR, Finding, Recording
+from fsm_calib.recording.runs import runs_of
+from fsm_calib.recording.under_way import held_at
 from fsm_calib.recording.unknown_commands import unknown_spans
 from fsm_calib.types import FloatArray
 
@@ -105,10 +107,7 @@ def _frozen(recording: Recording, pose: PoseTrack) -> list[Finding]:
     if driven is None:
         return []
     same = (np.diff(pose.x) == 0) & (np.diff(pose.y) == 0) & driven[1:]
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
-    spells = [
-        (pose.time[a], pose.time[min(b, len(pose) - 1)]) for a, b in zip(edges[::2], edges[1::2], strict=True)
-    ]
+    spells = [(pose.time[a], pose.time[min(b, len(pose) - 1)]) for a, b in runs_of(same)]
     long = [(a, b) for a, b in spells if b - a > FROZEN_SECONDS]
     if not long:
         return []
@@ -122,9 +121,7 @@ def _driving(recording: Recording, times: FloatArray) -> np.ndarray | None:
     if track is None or not len(track):
         return None
     size = np.maximum(np.abs(track.left), np.abs(track.right))
-    row = np.searchsorted(track.time, times, side="right") - 1
-    inside = (row >= 0) & (times <= track.time[-1])
-    return inside & (size[np.maximum(row, 0)] > MOVING_SHARE * max(float(size.max()), 1e-12))
+    return held_at(track, size > MOVING_SHARE * max(float(size.max()), 1e-12), times)
 
 
 def _one_sided(name: str, track: WheelPair | None) -> list[Finding]:

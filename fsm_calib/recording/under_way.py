@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsm_calib.recording.channels import CommandTrack, TwistTrack, WheelPair
+from fsm_calib.recording.channels import Channel, CommandTrack, TwistTrack, WheelPair
 from fsm_calib.recording.recording import Recording
 from fsm_calib.types import FloatArray
 
@@ -20,10 +20,17 @@ def under_way(recording: Recording, time: FloatArray) -> np.ndarray | None:
         if channel is None or len(channel) < 2:
             continue
         fastest = np.max(np.abs(_speeds(channel)), axis=0)
-        drives = fastest > IDLE * float(np.quantile(fastest, 0.9))
-        last = np.searchsorted(channel.time, time, side="right") - 1
-        return np.asarray((last >= 0) & (time <= channel.time[-1]) & drives[np.maximum(last, 0)])
+        return held_at(channel, fastest > IDLE * float(np.quantile(fastest, 0.9)), time)
     return None
+
+
+def held_at(channel: Channel, says: np.ndarray, time: FloatArray) -> np.ndarray:
+    """Return what the last row of a channel says at times (m,) [s], false before the first row and after the last.
+
+    says : of each row of the channel (n,), bool.
+    """
+    last = np.searchsorted(channel.time, time, side="right") - 1
+    return np.asarray((last >= 0) & (time <= channel.time[-1]) & says[np.maximum(last, 0)])
 
 
 def _speeds(channel: WheelPair | CommandTrack | TwistTrack) -> tuple[FloatArray, FloatArray]:

@@ -106,17 +106,23 @@ def limit(P, o, S, m, W):
 
 
 @njit(error_model="numpy")
-def brake(P, o, S, m, W):
-    """Let the drivers follow what they are given, and scale the motors' slope where they brake."""
-    filters = not is_limited(P, o)
+def follow_late(P, o, S, m, W):
+    """Let the drivers follow the commands through their filters."""
     for side in range(2):
         wanted, lag = W[TARGET + side], P[o + 8 + side]
-        if filters and is_the_others(P[o + 7], side):
+        if is_the_others(P[o + 7], side):
             S[m + side] = wanted
-        elif filters:
-            W[TARGET + side], S[m + side] = follow(
-                S[m + side], wanted, P[o + 3] + lag, P[o + 4] + lag, W[STEP]
-            )
+        else:
+            rise, fall = P[o + 3] + lag, P[o + 4] + lag
+            W[TARGET + side], S[m + side] = follow(S[m + side], wanted, rise, fall, W[STEP])
+
+
+@njit(error_model="numpy")
+def brake(P, o, S, m, W):
+    """Let the drivers follow what they are given, and scale the motors' slope where they brake."""
+    if not is_limited(P, o):
+        follow_late(P, o, S, m, W)
+    for side in range(2):
         rim = S[RIM + side]
         against = (W[TARGET + side] - rim) * rim
         share = 0.5 - 0.5 * against / math.sqrt(against * against + SOFT**4)
