@@ -3,7 +3,8 @@
 A slippery spot shows where the commands change, and a noise of lateness takes a good part of it: one on a Drake robot
 was lost to a jitter of 7 ms, though with punctual commands it explains 41 units of log-likelihood more. So a selection
 whose commands have a clear jitter is grown once more without, and the likelier of the two stands. A jitter that is one
-does the job of several effects, none of which does its own.
+does the job of several effects, none of which does its own: rounds end where the strongest that would join wins less
+than what each would have to win on average to reach what the jitter does.
 """
 
 from __future__ import annotations
@@ -20,11 +21,12 @@ def likelier_if_punctual(selector: Selector, selection: Selection) -> tuple[Sele
     """Return the selection grown on without a jitter where that is likelier, with its selector; else both as given."""
     if not is_clear(selection.fit):
         return selector, selection
-    engine, punctual = selector.engine, _for_punctual(selector)
+    engine = selector.engine
+    punctual = replace(_for_punctual(selector), goal=selection.fit.score)
     bare = without_jitter(engine, selection.fit)
     other = punctual.grown_from(selection.effects, bare, selection.rankings)
     likelier = evidence_of(other.fit, selection.fit, engine.count) > 0.0
-    return (punctual, other) if likelier else (selector, selection)
+    return (replace(punctual, goal=selector.goal), other) if likelier else (selector, selection)
 
 
 def ranked_if_punctual(

@@ -75,7 +75,7 @@ class Selector:
     """Selects effects for the recordings of one robot.
 
     needed : evidence that each effect must add to all the others; share : of what the first had alone that a further
-    one must have; most : effects at most;
+    one must have; most : effects at most; goal : log-likelihood that a selection has to reach to be of any use;
     rng : for the searches over the floor; distinct : what the first round learns of the starts for the later ones;
     banks : what the fit that was asked last answered, the base robot while it was fitted.
     """
@@ -90,6 +90,7 @@ class Selector:
     progress: Progress = field(default=lambda part: None)
     distinct: Distinct = field(default_factory=dict)
     banks: Banks = field(default_factory=Banks)
+    goal: float = -np.inf
 
     def _told(self, found: list[Ranked], parent: Fit) -> list[Ranked]:
         """Return what was found on top of a parent, the leaders polished, implausible ones left out.
@@ -137,7 +138,7 @@ class Selector:
         bare = self._pruned(effects, fit, rankings, self.needed)
         further = self.beside(bare.effects) if len(bare.effects) < self.most else []
         larger = self._with_one_more(bare, self._bank_on(bare), further)
-        grown = self._grown_on(larger or bare)
+        grown = self._grown_on(larger) if larger else self._come_again(bare) or bare
         return self.weighed(grown, self._wanted(grown))
 
     def _grown_on(self, selection: Selection) -> Selection:
@@ -181,9 +182,8 @@ class Selector:
         """
         best = self.grown(ranking)
         if len(best.effects) == 1:
-            return self.weighed(
-                best, 0.0
-            )  # an effect too sure to be taken out to see may be what is left of two
+            # an effect too sure to be taken out to see may be what is left of two
+            return self.weighed(best, 0.0)
         best = self.weighed(best, self._wanted(best))
         first, named = best.rankings[0][0], {e.name for e in best.effects}
         near = [
@@ -195,9 +195,7 @@ class Selector:
         ]
         others = [other for other in (self._led_by(best, r) for r in near) if other is not None]
         for i, other in enumerate(others):
-            if evidence_of(other.fit, self.base, self.engine.count) > evidence_of(
-                best.fit, self.base, self.engine.count
-            ):
+            if evidence_of(other.fit, best.fit, self.engine.count) > 0.0:
                 best, others[i] = other, best
         said, leader = {e.name for e in best.effects}, best.rankings[0][0].name
         rivals = [s for s in others if leader not in {e.name for e in s.effects}]
@@ -235,12 +233,12 @@ class Selector:
         """Return the selection with the best of further effects, less what it makes needless; None where none is."""
         if not further:
             return None
-        wanted = self._wanted(selection)
-        before = {r.name: i for i, r in enumerate(selection.rankings[-1])}
+        wanted, before = self._wanted(selection), {r.name: i for i, r in enumerate(selection.rankings[-1])}
         in_order = sorted(further, key=lambda e: before.get(e.name, len(before)))
         found = self._told(bank.rank(in_order, self.progress, self.needed), selection.fit)
         rankings = (*selection.rankings, tuple(found))
-        if not found or found[0].evidence < wanted:
+        each = (self.goal - selection.fit.score) / (self.most - len(selection.effects))  # on average
+        if not found or found[0].evidence < wanted or found[0].fit.score - selection.fit.score < each:
             return None
         if is_event(registry()[found[0].name]) and (again := self._come_again(selection)) is not None:
             return again
