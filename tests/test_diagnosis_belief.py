@@ -168,6 +168,17 @@ def test_a_rival_that_is_behind_by_a_hundredth_of_what_the_name_explains_stands_
     assert ("caster_drag" in belief.among) == among
 
 
+@pytest.mark.parametrize(("beside", "among"), [(0.0, False), (20.0, False), (120.0, True)])
+def test_a_rival_that_what_is_left_could_bring_level_stands_beside_the_name(beside, among) -> None:
+    weighed = support(added=1000.0, beside=beside, instead=-400.0, rivals={"caster_drag": 88.0})
+    assert ("caster_drag" in belief_of(weighed).among) == among
+
+
+def test_what_is_left_but_cannot_do_the_name_s_job_lets_no_rival_in() -> None:
+    weighed = support(added=1000.0, beside=120.0, instead=-1000.0, rivals={"caster_drag": 88.0})
+    assert belief_of(weighed).among == ("motor_deadband",)
+
+
 @pytest.mark.parametrize(
     ("weighed", "said"),
     [

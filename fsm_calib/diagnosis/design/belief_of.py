@@ -227,7 +227,7 @@ def _several(decision: Decision, catalogue: int) -> Iterator[Weighed]:
 
 def _open(support: Support, rival: RivalGap) -> float:
     """Return the log odds of a rival against an effect as the verdict has them: what it says as a set is open."""
-    beaten = support.beats(rival.gap)
+    beaten = support.outdoes(rival)
     return math.log(max(1.0 - beaten, TINY) / max(beaten, TINY))
 
 

@@ -6,9 +6,10 @@ r"""How sure is a name? It must add something, beat its rivals, and be the law t
 
 added, p_r : from the gaps in evidence over nothing and over rival r, each tempered by its own spread from second to
 second (`proof/gap.py`), that over a rival also by a hundredth of what the name explains (EXACT: no equation is exact to
-less); c [1] : the odds that a moment stands out so far by chance (`Support.by_chance`); left, replaced, moved [1] :
-shares of what the name explains that un-named forms explain beside it, or better in its place, and that is another law
-in each drive; patchy [1] : how well it could mend what is inexact in stronger effects (`verdict/support.py`);
+less) and by what is left that could do the name's job (`Support.outdoes`); c [1] : the odds that a moment stands out so
+far by chance (`Support.by_chance`); left, replaced, moved [1] : shares of what the name explains that un-named forms
+explain beside it, or better in its place, and that is another law in each drive; patchy [1] : how well it could mend
+what is inexact in stronger effects (`verdict/support.py`);
 jolted [1] : an event comes where the robot is jolted most (`candidates/jolts.py`). A right name whose
 equation is another than ours and a wrong neighbour differ in these shares, not in sizes. The numbers were set on opened
 development robots (`benchmarks/concealed`, `benchmarks/engine` with the mass behind the axle, `benchmarks/foreign` seed
@@ -54,7 +55,7 @@ class Belief:
 
 def belief_of(support: Support) -> Belief:
     """Return how sure an effect's name is, and which names the data cannot tell from it."""
-    beaten = [(r.name, support.beats(r.gap)) for r in support.rivals]
+    beaten = [(r.name, support.outdoes(r)) for r in support.rivals]
     near = [name for name, p in beaten if p < TOLD_APART]
     against = sum((1.0 - p) / p for _, p in beaten if p >= TOLD_APART)
     equalled = [support.beats(twin.gap) for twin in support.twins]
