@@ -17,6 +17,7 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
         lines.append(f"  {either} (confidence {effect['confidence']:.2f}): {effect['sentence']}")
     for group in plain["ambiguous"]:
         lines.append(f"  cannot be told apart: {', '.join(group)}; the numbers are of the first")
+    lines += _unsaid(plain)
     if "against" in plain:
         lines += _beside_simulator(plain["against"])
     located = plain["located"]
@@ -36,6 +37,14 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
     lines.append(f"  next: {plain['next_manoeuvre']}")
     parts = ", ".join(f"{name} {seconds:.1f}" for name, seconds in plain["seconds_by_part"].items())
     return [*lines, f"  {plain['seconds']:.1f} s ({parts})"]
+
+
+def _unsaid(plain: dict[str, Any]) -> list[str]:
+    """Return what was fitted besides, each too unsure for a name."""
+    said = {effect["name"] for effect in plain["effects"]}
+    unsaid = [f"{e['name']} ({e['confidence']:.2f})" for e in plain.get("model", []) if e["name"] not in said]
+    text = f"fitted as well, too unsure for a name: {', '.join(unsaid)}"
+    return textwrap.wrap(text, 110, initial_indent="  ", subsequent_indent="    ") if unsaid else []
 
 
 def _drives(told: dict[str, Any] | None) -> list[str]:

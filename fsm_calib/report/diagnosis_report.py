@@ -15,6 +15,7 @@ from markupsafe import Markup
 from fsm_calib.diagnosis.diagnose import Diagnosis
 from fsm_calib.diagnosis.proof.heldout import Comparison
 from fsm_calib.diagnosis.proof.windows import Windows
+from fsm_calib.diagnosis.verdict.argument import Argument
 from fsm_calib.diagnosis.verdict.verdict import ErrorTriple
 from fsm_calib.errors import InputError
 from fsm_calib.report import diagnosis_figures, digits
@@ -66,6 +67,7 @@ def diagnosis_page(diagnosis: Diagnosis) -> str:
         verdict=verdict,
         robot=decision.engine.simulators[0].prepared.recording.robot.name,
         notes=diagnosis.notes,
+        unsaid=[_unsure(argument) for argument in verdict.unsaid],
         physics=physics(diagnosis),
         signature=Markup(signature(diagnosis)),
         errors=error_rows(diagnosis),
@@ -77,6 +79,10 @@ def diagnosis_page(diagnosis: Diagnosis) -> str:
         command=command(diagnosis),
         seconds=verdict.seconds,
     )
+
+
+def _unsure(argument: Argument) -> str:
+    return f"{argument.name.replace('_', ' ')} ({100.0 * argument.confidence:.0f} %)"
 
 
 def physics(diagnosis: Diagnosis) -> list[dict[str, Any]]:

@@ -12,6 +12,7 @@ from fsm_calib.diagnosis.fitting.slot import ALL_RUNS
 from fsm_calib.diagnosis.likelihood.noise import NOISE_NAMES
 from fsm_calib.diagnosis.proof.gates import DEFAULT_GATES, Gates
 from fsm_calib.diagnosis.proof.heldout import Comparison
+from fsm_calib.diagnosis.verdict.argument import arguments_of
 from fsm_calib.diagnosis.verdict.decide import Decision
 from fsm_calib.diagnosis.verdict.detectable import smallest_sizes
 from fsm_calib.diagnosis.verdict.posterior import Belief
@@ -55,6 +56,7 @@ def verdict_of(
         noise=dict(zip(NOISE_NAMES, map(float, decision.model.fit.noise.vector()), strict=True)),
         family=family_of(decision),
         unnamed=decision.model.contest.numbers(),
+        model=arguments_of(decision.model),
         smallest_seen=_smallest(decision, gates) if decision.outcome == "match" else {},
         seconds=dict(decision.seconds),
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from fsm_calib.diagnosis.proof.windows import HorizonError
+from fsm_calib.diagnosis.verdict.argument import Argument
 from fsm_calib.diagnosis.verdict.coverage import Coverage
 
 VerdictName = Literal["match", "explained", "unexplained"]
@@ -71,7 +72,7 @@ class Rival:
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """All that `diagnose` says; unnamed : evidence of forms without a name against the effects (`form_test.py`);
-    drives : what the drives can tell.
+    model : all effects that the improved world has, said or not; drives : what the drives can tell.
     """
 
     verdict: VerdictName
@@ -88,9 +89,16 @@ class Verdict:
     noise: dict[str, float]
     family: str = ""
     unnamed: dict[str, float] = field(default_factory=dict)
+    model: tuple[Argument, ...] = ()
     smallest_seen: dict[str, Estimate] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
     drives: Coverage | None = None
+
+    @property
+    def unsaid(self) -> tuple[Argument, ...]:
+        """The effects that the model has and whose names are too unsure to be said."""
+        said = {effect.name for effect in self.effects}
+        return tuple(argument for argument in self.model if argument.name not in said)
 
     def as_json(self) -> dict[str, Any]:
         """Return plain values; numbers that are not finite become null."""
@@ -128,6 +136,7 @@ class Verdict:
             },
             "rivals": [{"name": r.name, "evidence_gap": _number(r.evidence_gap)} for r in self.rivals],
             "unnamed": {name: _number(value) for name, value in self.unnamed.items()},
+            "model": [argument.as_json() for argument in self.model],
             "next_manoeuvre": self.next_manoeuvre,
             "drives": None if self.drives is None else self.drives.as_json(),
             "smallest_seen": _estimates(self.smallest_seen),
