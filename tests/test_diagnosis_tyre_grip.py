@@ -73,17 +73,6 @@ def test_a_floor_of_little_grip_is_no_limit_of_the_motors(monkeypatch):
     assert judged(["command_saturation", "motor_asymmetric_lag"], friction=0.5).outcome == "match"
 
 
-def test_tyres_far_softer_than_a_small_robots_show_in_encoders():
-    value, sd = number_of("slip_speed", [with_encoders(seed, slip_speed=0.12) for seed in (0, 1)])
-    assert value == pytest.approx(0.12, abs=4.0 * sd)
-
-
-def test_poses_late_behind_the_wheels_are_no_soft_tyres():
-    late = [with_encoders(seed, observation_delay__delay=0.03) for seed in (0, 1)]
-    assert number_of("slip_speed", late)[0] > 0.1
-    assert number_of("slip_speed", late, ["observation_delay"])[0] < 0.1
-
-
 def test_a_slip_that_grows_with_the_rolling_speed_shows_in_encoders():
     value, sd = number_of("slip_ratio", [with_encoders(seed, slip_ratio=0.3) for seed in (0, 1)])
     assert value == pytest.approx(0.3, abs=4.0 * sd)

@@ -84,7 +84,7 @@ BASE: tuple[Parameter, ...] = (
         "m/s",
         0.0125,
         1e-5,
-        1.0,
+        0.2,
         0.0125,
         f"tyre lag of 2 to 3 ms, {ASSUMED}",
         fitted=False,

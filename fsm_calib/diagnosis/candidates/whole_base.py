@@ -31,8 +31,7 @@ def fit_whole_base(engine: Engine, effects: Sequence[Effect], banks: Banks | Non
     lasting = Rivals([e for e in effects if not e.scan], banks)
     held = with_jitter(engine, with_late_sight(engine, _with_controller(engine, base, lasting), lasting))
     charged = with_charges(engine, with_stiffness(engine, held, lasting), lasting)
-    places = Rivals([e for e in effects if e.scan == "place"], banks)
-    return with_tyres(engine, charged, places, lasting)
+    return with_tyres(engine, charged, Rivals([e for e in effects if e.scan == "place"], banks))
 
 
 def _with_controller(engine: Engine, base: Fit, lasting: Rivals) -> Fit:
