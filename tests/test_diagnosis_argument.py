@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from test_diagnosis_belief import support
 
 from fsm_calib.commands.verdict_lines import summary_lines
 from fsm_calib.diagnosis.proof.gap import Gap
 from fsm_calib.diagnosis.verdict.argument import Argument, arguments_of
 from fsm_calib.diagnosis.verdict.support import RivalGap, Support
 
-FORMS = SimpleNamespace(instead=-300.0, beside=40.0, stand_in=-300.0, jump=-math.inf)
 
-
-def support(name: str, evidence: float) -> Support:
-    effect = SimpleNamespace(name=name, hypothesis=SimpleNamespace(chance=0.0, closure="both alike"))
+def rivalled(name: str, evidence: float) -> Support:
     rivals = (RivalGap("caster_drag", Gap(88.0, 30.0, 60), None),)  # type: ignore[arg-type]
-    law = SimpleNamespace(moved=0.1)
-    return Support(effect, None, Gap(evidence, 20.0, 60), 0.8, rivals, law, FORMS)  # type: ignore[arg-type]
+    alone = support(name, added=evidence, spread=20.0, share=0.8, moved=0.1, beside=40.0, instead=-300.0)
+    return replace(alone, rivals=rivals)
 
 
 def model() -> SimpleNamespace:
-    supports = (support("motor_deadband", 400.0), support("tyre_scrub", 100.0))
+    supports = (rivalled("motor_deadband", 400.0), rivalled("tyre_scrub", 100.0))
     return SimpleNamespace(
         supports=supports, beliefs=tuple(SimpleNamespace(probability=p) for p in (0.9, 0.3))
     )

@@ -48,7 +48,7 @@ def support(
 ) -> Support:  # fmt: skip
     """A support of an effect, with the gaps in evidence to its rivals and what un-named forms do."""
     gaps = tuple(RivalGap(n, Gap(gap, 0.0, 60), None) for n, gap in (rivals or {}).items())  # type: ignore[arg-type]
-    effect = SimpleNamespace(name=name, hypothesis=SimpleNamespace(chance=chance))
+    effect = SimpleNamespace(name=name, hypothesis=SimpleNamespace(chance=chance, closure="both alike"))
     law = SimpleNamespace(moved=moved)
     said = FORMS | forms
     contest = SimpleNamespace(stand_in=said["instead"], **said)

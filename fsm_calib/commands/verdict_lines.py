@@ -42,9 +42,8 @@ def summary_lines(plain: dict[str, Any]) -> list[str]:
 def _unsaid(plain: dict[str, Any]) -> list[str]:
     """Return what was fitted besides, each too unsure for a name."""
     said = {effect["name"] for effect in plain["effects"]}
-    unsaid = [f"{e['name']} ({e['confidence']:.2f})" for e in plain.get("model", []) if e["name"] not in said]
-    text = f"fitted as well, too unsure for a name: {', '.join(unsaid)}"
-    return textwrap.wrap(text, 110, initial_indent="  ", subsequent_indent="    ") if unsaid else []
+    unsaid = [f"{e['name']} ({e['confidence']:.2f})" for e in plain["model"] if e["name"] not in said]
+    return _wrapped(f"fitted as well, too unsure for a name: {', '.join(unsaid)}") if unsaid else []
 
 
 def _drives(told: dict[str, Any] | None) -> list[str]:
@@ -58,7 +57,11 @@ def _drives(told: dict[str, Any] | None) -> list[str]:
         else []
     )
     parts += [f"too faint in them: {', '.join(told['faint'])}"] if told["faint"] else []
-    return textwrap.wrap(". ".join(parts), 110, initial_indent="  ", subsequent_indent="    ")
+    return _wrapped(". ".join(parts))
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, 110, initial_indent="  ", subsequent_indent="    ")
 
 
 def _beside_simulator(told: dict[str, Any]) -> list[str]:
@@ -88,8 +91,7 @@ def _would_show(sizes: dict[str, Any]) -> list[str]:
     said = [
         f"{name} {e['value']:.2g}{'' if e['unit'] == '1' else ' ' + e['unit']}" for name, e in sizes.items()
     ]
-    text = f"would have been seen from: {', '.join(said)}"
-    return textwrap.wrap(text, 110, initial_indent="  ", subsequent_indent="    ") if said else []
+    return _wrapped(f"would have been seen from: {', '.join(said)}") if said else []
 
 
 def _error(name: str, errors: dict[str, Any]) -> str:

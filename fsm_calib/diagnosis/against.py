@@ -15,6 +15,7 @@ from fsm_calib.diagnosis.diagnose import Diagnosis, diagnose
 from fsm_calib.diagnosis.replay.settings import DEFAULT_SETTINGS, Settings
 from fsm_calib.diagnosis.sized import identified_facts, sized
 from fsm_calib.diagnosis.verdict.explain import estimates
+from fsm_calib.diagnosis.verdict.plain import number
 from fsm_calib.diagnosis.verdict.verdict import Estimate
 from fsm_calib.diagnosis.verdict.weight import weighed, weight_of
 from fsm_calib.errors import DataError
@@ -79,11 +80,11 @@ class Against:
                 "differences": [
                     {
                         "name": d.name,
-                        "real": _number(d.real.value),
-                        "simulated": _number(d.simulated.value),
-                        "difference": _number(d.value),
-                        "sd": _number(d.sd),
-                        "z": _number(d.z),
+                        "real": number(d.real.value),
+                        "simulated": number(d.simulated.value),
+                        "difference": number(d.value),
+                        "sd": number(d.sd),
+                        "z": number(d.z),
                         "unit": d.real.unit,
                     }
                     for d in self.differences
@@ -174,8 +175,4 @@ def _differences(
 
 
 def _plain(estimate: Estimate) -> dict[str, Any]:
-    return {"value": _number(estimate.value), "sd": _number(estimate.sd), "unit": estimate.unit}
-
-
-def _number(value: float) -> float | None:
-    return float(f"{value:.6g}") if math.isfinite(value) else None
+    return {"value": number(estimate.value), "sd": number(estimate.sd), "unit": estimate.unit}

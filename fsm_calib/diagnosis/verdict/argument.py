@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from fsm_calib.diagnosis.verdict.model import Model
+from fsm_calib.diagnosis.verdict.plain import number
 from fsm_calib.diagnosis.verdict.support import Support
-
-DIGITS = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +40,9 @@ class Argument:
 
     def as_json(self) -> dict[str, Any]:
         """Return plain values."""
-        numbers = {
-            name: _number(value) for name in self.__slots__ if isinstance(value := getattr(self, name), float)
-        }
+        numbers = {f.name: number(getattr(self, f.name)) for f in fields(self) if f.type == "float"}
         rivals = [
-            {"name": name, "evidence_gap": _number(lacks), "spread": _number(spread)}
+            {"name": name, "evidence_gap": number(lacks), "spread": number(spread)}
             for name, lacks, spread in self.rivals
         ]
         return {"name": self.name, "closure": self.closure, **numbers, "rivals": rivals}
@@ -64,20 +60,16 @@ def _argument(support: Support, probability: float) -> Argument:
     return Argument(
         name=support.name,
         closure=support.effect.hypothesis.closure,
-        confidence=float(probability),
-        evidence=float(support.added.evidence),
-        spread=float(support.added.spread),
-        share=float(support.share),
-        left=float(support.left),
-        stands_in=float(support.interchangeable),
-        uneven=float(support.patchy),
-        replaced=float(support.replaced),
-        moved=float(support.moved),
-        jolted=float(support.jolted),
-        chance=float(support.by_chance),
-        rivals=tuple((r.name, float(r.gap.evidence), float(r.gap.spread)) for r in support.rivals),
+        confidence=probability,
+        evidence=support.added.evidence,
+        spread=support.added.spread,
+        share=support.share,
+        left=support.left,
+        stands_in=support.interchangeable,
+        uneven=support.patchy,
+        replaced=support.replaced,
+        moved=support.moved,
+        jolted=support.jolted,
+        chance=support.by_chance,
+        rivals=tuple((r.name, r.gap.evidence, r.gap.spread) for r in support.rivals),
     )
-
-
-def _number(value: float) -> float | None:
-    return float(f"{value:.{DIGITS}g}") if math.isfinite(value) else None

@@ -21,12 +21,12 @@ def likelier_if_punctual(selector: Selector, selection: Selection) -> tuple[Sele
     """Return the selection grown on without a jitter where that is likelier, with its selector; else both as given."""
     if not is_clear(selection.fit):
         return selector, selection
-    engine = selector.engine
-    punctual = replace(_for_punctual(selector), goal=selection.fit.score)
+    engine, punctual = selector.engine, _for_punctual(selector)
     bare = without_jitter(engine, selection.fit)
-    other = punctual.grown_from(selection.effects, bare, selection.rankings)
+    reaching = replace(punctual, goal=selection.fit.score)
+    other = reaching.grown_from(selection.effects, bare, selection.rankings)
     likelier = evidence_of(other.fit, selection.fit, engine.count) > 0.0
-    return (replace(punctual, goal=selector.goal), other) if likelier else (selector, selection)
+    return (punctual, other) if likelier else (selector, selection)
 
 
 def ranked_if_punctual(

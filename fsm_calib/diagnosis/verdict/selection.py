@@ -233,7 +233,8 @@ class Selector:
         """Return the selection with the best of further effects, less what it makes needless; None where none is."""
         if not further:
             return None
-        wanted, before = self._wanted(selection), {r.name: i for i, r in enumerate(selection.rankings[-1])}
+        wanted = self._wanted(selection)
+        before = {r.name: i for i, r in enumerate(selection.rankings[-1])}
         in_order = sorted(further, key=lambda e: before.get(e.name, len(before)))
         found = self._told(bank.rank(in_order, self.progress, self.needed), selection.fit)
         rankings = (*selection.rankings, tuple(found))

@@ -75,12 +75,13 @@ class Support:
         spread = 0.0 if self.effect.hypothesis.chance > 0.0 else self.added.spread
         return replace(self.added, spread=math.hypot(spread, EXACT * self.others))
 
-    def beats(self, other: Gap) -> float:
+    def beats(self, other: Gap, left: float = 0.0) -> float:
         """Return the probability that the effect is nearer to the truth than what lacks so much evidence beside it.
 
-        No equation is exact to less than a hundredth of what it explains (EXACT).
+        No equation is exact to less than a hundredth of what it explains (EXACT). left : evidence that is left beside
+        the model and may be what the other lacks.
         """
-        return other.probability_within(EXACT * max(self.added.evidence, 0.0))
+        return other.probability_within(math.hypot(EXACT * max(self.added.evidence, 0.0), left))
 
     def outdoes(self, rival: RivalGap) -> float:
         """Return the probability that the effect is nearer to the truth than a rival in its place.
@@ -89,8 +90,7 @@ class Support:
         it, too: of two drives of a real robot that turns too little a dead zone lacks 88 +- 30 of the 851 units that a
         scrubbing tyre adds, which leaves 61 such ones; of two others all alternatives lack more than a dead zone.
         """
-        left = max(self.forms.beside, 0.0) * self.interchangeable
-        return rival.gap.probability_within(math.hypot(EXACT * max(self.added.evidence, 0.0), left))
+        return self.beats(rival.gap, max(self.forms.beside, 0.0) * self.interchangeable)
 
     @property
     def by_chance(self) -> float:

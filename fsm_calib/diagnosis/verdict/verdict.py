@@ -9,6 +9,7 @@ from typing import Any, Literal
 from fsm_calib.diagnosis.proof.windows import HorizonError
 from fsm_calib.diagnosis.verdict.argument import Argument
 from fsm_calib.diagnosis.verdict.coverage import Coverage
+from fsm_calib.diagnosis.verdict.plain import number
 
 VerdictName = Literal["match", "explained", "unexplained"]
 
@@ -108,12 +109,12 @@ class Verdict:
             "effects": [
                 {
                     "name": e.name,
-                    "confidence": _number(e.confidence),
+                    "confidence": number(e.confidence),
                     "parameters": _estimates(e.parameters),
                     "sentence": e.sentence,
                     "phenomenon": e.phenomenon,
                     "closure": e.closure,
-                    "share": _number(e.share),
+                    "share": number(e.share),
                 }
                 for e in self.effects
             ],
@@ -125,34 +126,29 @@ class Verdict:
                 "where": self.located.where,
                 "states": list(self.located.states),
                 "regime": self.located.regime,
-                "p_value": _number(self.located.p_value),
+                "p_value": number(self.located.p_value),
             },
             "fit": {
                 "horizon_s": self.horizon,
                 "holdout": _triple(self.holdout),
                 "train": _triple(self.train),
                 "base": _estimates(self.base),
-                "noise": {name: _number(value) for name, value in self.noise.items()},
+                "noise": {name: number(value) for name, value in self.noise.items()},
             },
-            "rivals": [{"name": r.name, "evidence_gap": _number(r.evidence_gap)} for r in self.rivals],
-            "unnamed": {name: _number(value) for name, value in self.unnamed.items()},
+            "rivals": [{"name": r.name, "evidence_gap": number(r.evidence_gap)} for r in self.rivals],
+            "unnamed": {name: number(value) for name, value in self.unnamed.items()},
             "model": [argument.as_json() for argument in self.model],
             "next_manoeuvre": self.next_manoeuvre,
             "drives": None if self.drives is None else self.drives.as_json(),
             "smallest_seen": _estimates(self.smallest_seen),
-            "seconds": _number(sum(self.seconds.values())),
-            "seconds_by_part": {name: _number(value) for name, value in self.seconds.items()},
+            "seconds": number(sum(self.seconds.values())),
+            "seconds_by_part": {name: number(value) for name, value in self.seconds.items()},
         }
-
-
-def _number(value: float) -> float | None:
-    return float(f"{value:.6g}") if math.isfinite(value) else None
 
 
 def _estimates(estimates: dict[str, Estimate]) -> dict[str, Any]:
     return {
-        name: {"value": _number(e.value), "sd": _number(e.sd), "unit": e.unit}
-        for name, e in estimates.items()
+        name: {"value": number(e.value), "sd": number(e.sd), "unit": e.unit} for name, e in estimates.items()
     }
 
 
@@ -160,4 +156,4 @@ def _triple(triple: ErrorTriple | None) -> dict[str, Any] | None:
     if triple is None:
         return None
     rows = {"before": triple.before, "after": triple.after, "floor": triple.floor}
-    return {name: {"xy_m": _number(e.xy_m), "theta_rad": _number(e.theta_rad)} for name, e in rows.items()}
+    return {name: {"xy_m": number(e.xy_m), "theta_rad": number(e.theta_rad)} for name, e in rows.items()}
