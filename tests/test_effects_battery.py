@@ -225,12 +225,12 @@ def test_declaration_is_complete_and_consistent(name):
 def test_robot_time_and_observation_of_the_nominal_robot_are_the_identity():
     poses = poses_of(null_parameters())
     np.testing.assert_array_equal(robot_time(null_parameters(), SAMPLES), SAMPLES)
-    np.testing.assert_array_equal(observe(null_parameters(), poses), poses)
+    np.testing.assert_array_equal(observe(null_parameters(), SAMPLES, poses), poses)
 
 
 def test_base_pose_undoes_the_sensors_place():
     vector = parameters({"sensor_offset.x": 0.04, "sensor_offset.y": -0.02, "sensor_yaw.yaw": 0.3})
-    measured = observe(vector, np.array([[0.5, -0.2, 1.1]]))[0]
+    measured = observe(vector, np.zeros(1), np.array([[0.5, -0.2, 1.1]]))[0]
     back = base_pose(vector, Pose2(*measured))
     np.testing.assert_allclose([back.x, back.y, back.theta], [0.5, -0.2, 1.1], atol=1e-12)
 

@@ -1,6 +1,6 @@
 """From the robot's states to what the pose sensor reports: its clock, its filter, its place on the robot, its map.
 
-The hooks `clock`, `smooth` and `observe` of the active effects act in their order; everything is NumPy on whole
+The hooks `clock`, `smooth`, `mount` and `observe` of the active effects act in their order; all is NumPy on whole
 recordings.
 """
 
@@ -16,6 +16,9 @@ from fsm_calib.world2d.effects import Effect, hooked
 from fsm_calib.world2d.kernel import flag_places
 from fsm_calib.world2d.parameters import parameter_table
 from fsm_calib.world2d.rollout import FIT_STEP, Drive, Flags, active_flags, simulate
+
+FILTER_STEP = 0.01
+"""Seconds between the poses of which a prediction's filters make what is reported."""
 
 
 def _active(parameters: FloatArray, stage: str, on: Flags | None) -> list[tuple[Effect, FloatArray]]:
@@ -48,23 +51,29 @@ def smoothed(
 
 
 def observe(
-    parameters: FloatArray, poses: FloatArray, places: FloatArray | None = None, on: Flags | None = None
+    parameters: FloatArray,
+    times: FloatArray,
+    poses: FloatArray,
+    places: FloatArray | None = None,
+    on: Flags | None = None,
 ) -> FloatArray:
-    """Return what the pose sensor reports for the robot's poses, shape (n, 3) [m, m, rad].
+    """Return what the pose sensor reports for the robot's poses, shape (n, 3) [m, m, rad], at times (n,) [s].
 
-    `places`, shape (n, 2) [m], is where the robot is known to have been (for effects of places); default: the
-    poses.
+    `times` are the robot's, since the recording's zero. `places`, shape (n, 2) [m], is where the robot is known to have
+    been (for effects of places); default: the poses.
     """
     measured = np.array(poses, dtype=float)[:, :3]
     where = measured[:, :2].copy() if places is None else np.asarray(places, dtype=float)
+    for effect, values in _active(parameters, "mount", on):
+        measured = effect.hooks["mount"](values, times, measured)
     for effect, values in _active(parameters, "observe", on):
         measured = effect.hooks["observe"](values, measured, where)
     return measured
 
 
 def base_pose(parameters: FloatArray, measured: Pose2) -> Pose2:
-    """Return the pose of the axle centre for a measured pose: the inverse of the sensor's place (not of map
-    errors).
+    """Return the pose of the axle centre for a measured pose: the inverse of the place that the sensor has at last (not
+    of map errors).
     """
     table = parameter_table()
     x, y, yaw = (parameters[table.place(n)] for n in ("sensor_offset.x", "sensor_offset.y", "sensor_yaw.yaw"))
@@ -105,15 +114,21 @@ def predict(
         Times of the wheel angles [s] on the robot's clock.
     """
     true_times = robot_time(parameters, stamps)
-    if wheel_times is None:
-        states = simulate(parameters, drive, true_times, x0, pose_track, dt)
-        angles = np.zeros((0, 2))
-    else:
-        grid, places = np.unique(np.concatenate([true_times, wheel_times]), return_inverse=True)
-        both = simulate(parameters, drive, grid, x0, pose_track, dt)[places.ravel()]
-        states, angles = both[: len(true_times)], both[len(true_times) :, 6:8]
+    asked = [true_times, np.zeros(0) if wheel_times is None else wheel_times]
+    asked.append(_between(true_times) if _active(parameters, "smooth", None) else np.zeros(0))
+    grid, places = np.unique(np.concatenate(asked), return_inverse=True)
+    simulated = simulate(parameters, drive, grid, x0, pose_track, dt)[places.ravel()]
+    states, wheels, fine = np.split(simulated, np.cumsum([len(times) for times in asked[:2]]))
     where = None
     if pose_track is not None:
         where = np.column_stack([np.interp(true_times, pose_track[:, 0], pose_track[:, i]) for i in (1, 2)])
-    seen = smoothed(parameters, true_times, states)
-    return Prediction(observe(parameters, seen, where), angles, states)
+    seen = states[:, :3].copy()
+    if len(fine):
+        changed = smoothed(parameters, asked[2], fine) - fine[:, :3]
+        seen += np.column_stack([np.interp(true_times, asked[2], column) for column in changed.T])
+    return Prediction(observe(parameters, true_times, seen, where), wheels[:, 6:8], states)
+
+
+def _between(times: FloatArray) -> FloatArray:
+    """Return times (n,) [s], `FILTER_STEP` apart, over those of some poses: a filter sees more than is reported."""
+    return np.asarray(times[0] + FILTER_STEP * np.arange(int((times[-1] - times[0]) / FILTER_STEP) + 1))

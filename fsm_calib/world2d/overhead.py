@@ -73,7 +73,7 @@ class OverheadTracker:
         known = trace[max(int(np.searchsorted(trace[:, 0], meant[0] - REMEMBERED)) - 1, 0) :]
         filtered = smoothed(parameters, known[:, 0], known[:, 1:4])
         path = np.column_stack([np.interp(meant, known[:, 0], filtered[:, i]) for i in range(3)])
-        seen = observe(parameters, path)
+        seen = observe(parameters, meant, path)
         return [
             (float(stamp), *map(float, pose))  # type: ignore[misc]
             for stamp, pose in zip(stamps, self.__blurred(numbers, seen), strict=True)

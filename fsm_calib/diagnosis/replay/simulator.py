@@ -98,14 +98,15 @@ class Simulator:
         states = simulate_many(values, drive, grid, start, track, p.settings.simulation_step, on)
         time, reference = p.time[part], p.reference[part]
         out = np.empty((len(values), len(time), 5))
-        clocked, filtered, seen = (_acts(on, hook) for hook in POSE_HOOKS)
+        clocked, filtered, mounted, mapped = (_acts(on, hook) for hook in POSE_HOOKS)
+        seen = mounted | mapped
         for i, vector in enumerate(values):
             seen_at = np.ascontiguousarray(robot_time(vector, p.time, on[i])[part]) if clocked[i] else time
             if filtered[i]:
                 through_filter(vector, grid, states[i], on[i])
             sample_increments(states[i], grid[0], GRID_STEP, seen_at, time, out[i])
             if seen[i]:
-                through_sensor(vector, reference, out[i], on[i])
+                through_sensor(vector, time, reference, out[i], on[i])
         return out
 
 
@@ -116,12 +117,14 @@ def through_filter(vector: FloatArray, grid: FloatArray, states: FloatArray, on:
         retrace(states, poses, GRID_STEP)
 
 
-def through_sensor(vector: FloatArray, reference: FloatArray, out: FloatArray, on: Flags) -> None:
+def through_sensor(
+    vector: FloatArray, time: FloatArray, reference: FloatArray, out: FloatArray, on: Flags
+) -> None:
     """Turn the robot's increments into the sensor's: s' = c(k-1)^-1 s c(k), c = sensor pose seen from the robot.
 
-    Place is taken from the reference path, so that open-loop drift does not matter.
+    Place is taken from the reference path, so that open-loop drift does not matter; time (n,) [s] from the stamps.
     """
-    mount_and_compose(reference, observe(vector, reference, reference[:, :2], on), out)
+    mount_and_compose(reference, observe(vector, time, reference, reference[:, :2], on), out)
 
 
 @per_catalogue
@@ -131,7 +134,7 @@ def _with_hook(hook: str) -> Flags:
 
 
 def _acts(on: Flags, hook: str) -> Flags:
-    """Return which rows of flags (k, effects) have an effect with a hook `clock`, `smooth` or `observe`, (k,)."""
+    """Return which rows of flags (k, effects) have an effect with a hook of `POSE_HOOKS`, (k,)."""
     return np.asarray((on & _with_hook(hook)).any(axis=1))
 
 

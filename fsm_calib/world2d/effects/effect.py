@@ -10,11 +10,12 @@ effects into one program, so that any combination runs without compiling again:
     set_point(P, o, S, m, W)   once per step, before all steps: what becomes of the set points W[TARGET:]
     step(P, o, S, m, W)        once per step, before the wheels meet the ground; both may keep memory in S[m:]
 
-P is the parameter vector and o the place of the effect's first parameter; S, W are the arrays of `slots`. Three
+P is the parameter vector and o the place of the effect's first parameter; S, W are the arrays of `slots`. Four
 hooks work on whole recordings, with NumPy:
 
     clock(p, t) -> t           time stamps of the pose sensor [s] to the robot's time [s]
     smooth(p, t, poses)        what a filter makes of the robot's poses, shape (n, 3), at increasing times t (n,) [s]
+    mount(p, t, poses)         the poses, shape (n, 3), of a sensor by where it sits on the robot at times t (n,) [s]
     observe(p, poses, places)  the sensor's poses, shape (n, 3), from the robot's; `places`, shape (n, 2), is where the
                                robot is known to be, for effects of places
 

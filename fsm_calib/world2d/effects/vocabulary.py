@@ -26,7 +26,7 @@ STEPPED = ("set_point", "step")
 COMPILED_HOOKS = ("begin", "shape", "delay", *STEPPED)
 """Where an equation acts on the robot: what `kernel` weaves into the compiled program."""
 
-POSE_HOOKS = ("clock", "smooth", "observe")
+POSE_HOOKS = ("clock", "smooth", "mount", "observe")
 """Where one acts on what a pose sensor makes of the robot's poses, in this order; these are NumPy."""
 
 HOOKS = (*COMPILED_HOOKS, *POSE_HOOKS)
