@@ -1,11 +1,14 @@
 """A floor that is not level: a plane pulls alike everywhere, a hollow towards its deepest point."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from diagnosis_robots import recording
 
 from fsm_calib.diagnosis.candidates.free_number import found_free
 from fsm_calib.diagnosis.diagnose import diagnose
+from fsm_calib.recording.channels import PoseTrack
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameters
 from fsm_calib.world2d.rollout import Drive, simulate
@@ -54,7 +57,7 @@ def test_a_plane_that_falls_alike_everywhere_keeps_its_name():
 
 
 def test_beyond_a_fold_a_robot_rolls_and_before_it_rests():
-    fold = {"fold": 0.03, "across": 0.0, "fold_at": 0.2}
+    fold = {"slope_x": 0.015, "fold": 0.03, "across": 0.0, "fold_at": 0.2}
     far, near = rolled(1.0, 0.5, **fold)[0], rolled(0.4, -0.5, **fold)[0]
     assert far < -1e-3
     assert far == pytest.approx(near)  # a plane: alike everywhere
@@ -62,7 +65,8 @@ def test_beyond_a_fold_a_robot_rolls_and_before_it_rests():
 
 
 def test_the_line_of_a_fold_lies_across_its_direction():
-    fold = {"fold": 0.03, "across": 0.25 * np.pi, "fold_at": 0.0}
+    level_before_it = {"slope_x": 0.015 * np.sqrt(0.5), "slope_y": 0.015 * np.sqrt(0.5)}
+    fold = {**level_before_it, "fold": 0.03, "across": 0.25 * np.pi, "fold_at": 0.0}
     assert rolled(0.4, 0.0, **fold)[0] == pytest.approx(rolled(0.0, 0.4, **fold)[0]) != 0.0
     assert rolled(-0.4, 0.0, **fold) == pytest.approx([0.0, 0.0], abs=1e-9)
 
@@ -76,3 +80,22 @@ def test_a_folded_floor_is_named_with_its_line_since_no_cable_pulls_so():
     assert tilt.confidence > 0.9
     assert tilt.parameters["fold"].value == pytest.approx(0.025, rel=0.15)
     assert tilt.parameters["fold_at"].value == pytest.approx(0.1, abs=0.03)
+
+
+def elsewhere(told, x, y):
+    """Return a recording whose map has its origin (x, y) [m] back from where it was."""
+    pose = told.pose
+    return replace(told, pose=PoseTrack(pose.time, pose.x + x, pose.y + y, pose.theta))
+
+
+def test_a_ridge_is_found_where_the_map_has_its_origin_far_away():
+    fold = {"fold": -0.025, "across": 0.6, "fold_at": 0.1}
+    hidden = {f"floor_tilt__{name}": value for name, value in fold.items()}
+    told = [elsewhere(recording(seed, 30.0, **hidden), 15.0, -3.0) for seed in (1, 2)]
+    (tilt,) = diagnose(told, without=WITHOUT).verdict.effects
+    assert (tilt.name, tilt.closure) == ("floor_tilt", "folded")
+    numbers = {name: told.value for name, told in tilt.parameters.items()}
+    side = 1.0 if np.cos(numbers["across"] - 0.6) > 0.0 else -1.0  # the line is the same from behind
+    assert numbers["fold"] == pytest.approx(side * -0.025, rel=0.15)
+    line = 0.1 + 15.0 * np.cos(0.6) - 3.0 * np.sin(0.6)
+    assert numbers["fold_at"] == pytest.approx(side * line, abs=0.3)

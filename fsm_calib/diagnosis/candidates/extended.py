@@ -1,9 +1,10 @@
 """Where a larger closure begins: at the fit of a smaller one of its effect that has won something.
 
 What the smaller one has found stays, its choices with it where the larger one does not hold them otherwise; numbers
-that the larger one does not have go. Each further strength begins as large as those are, each further number at one of
-its declared starts, all of which are tried by simulation. (Both wheels of a robot oval: four numbers, seven paces and
-nine pairs of phases would cost every robot some 2 s.)
+that the larger one does not have go, and then it is tried without what has stayed beside them, too. Each further
+strength begins as large as those are, each further number at one of its declared starts, all of which are tried by
+simulation; a distance along a direction (`Parameter.along`) at shares of what the drives cover that way. (Both wheels
+of a robot oval: four numbers, seven paces and nine pairs of phases would cost every robot some 2 s.)
 """
 
 from __future__ import annotations
@@ -28,8 +29,12 @@ def beyond(
     """Return a closure's hypothesis and its best start from `values` (R, p), where a smaller one's fit has ended."""
     form = Hypothesis(effect.name, closure.frees, smaller.run, closure=closure.name)
     gone = {f"{effect.name}.{n}": effect.parameter(n).null for n in smaller.names if n not in closure.frees}
-    begun = with_values(values, {**gone, **form.held}, form.run)
-    tried = [with_values(begun, choice, form.run) for choice in _further(effect, closure, smaller, values)]
+    bases = [{**gone, **form.held}]
+    if gone:  # what stays may have made up for what goes
+        strengths = [n for n in smaller.names if effect.parameter(n).strength]
+        bases.append({**bases[0], **{f"{effect.name}.{n}": effect.parameter(n).null for n in strengths}})
+    choices = [_on_the_way(prober, effect, c) for c in _further(effect, closure, smaller, values)]
+    tried = [with_values(values, {**base, **choice}, form.run) for base in bases for choice in choices]
     starts = [Start(there, prober.gain(prober.columns(there))) for there in tried]
     return form, max(starts, key=lambda start: start.promise)
 
@@ -43,6 +48,17 @@ def _further(
     begun = [p for p in further if p.strength or p.starts]  # others stay where they are
     for choice in product(*(_starts(p, p.null + size) for p in begun)):
         yield {f"{effect.name}.{p.name}": value for p, value in zip(begun, choice, strict=True)}
+
+
+def _on_the_way(prober: Prober, effect: Effect, choice: dict[str, float]) -> dict[str, float]:
+    """Return a choice whose distances along a direction lie by their shares of what the drives cover that way [m]."""
+    placed = {f"{effect.name}.{p.name}": f"{effect.name}.{p.along}" for p in effect.parameters if p.along}
+    for name, angle in placed.items():
+        if name in choice and angle in choice:
+            way = np.cos(choice[angle]), np.sin(choice[angle])
+            reached = np.concatenate([s.prepared.reference[:, :2] @ way for s in prober.simulators])
+            choice[name] = float(reached.min() + choice[name] * np.ptp(reached))
+    return choice
 
 
 def _starts(p: Parameter, size: float) -> tuple[float, ...]:

@@ -232,7 +232,7 @@ class Bank:
         unmoved = self.prober.probes(hypothesis, single_steps(hypothesis, choices))
         declared = [probe.declared.promise for probe in probes.values()]
         held_back = self.prober.held_back(hypothesis, first, max([0.0, *declared]))
-        promised = [OPTIMISM * self.prober.reach([*probes.values(), *unmoved]), *declared]
+        promised = [OPTIMISM * self.prober.reach(list(probes.values()), unmoved), *declared]
         promised += [start.promise for start in held_back]
         if max(promised) < hope and (self.scanner.worth or starts_move_all(hypothesis)):
             return []

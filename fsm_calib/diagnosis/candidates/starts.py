@@ -25,6 +25,7 @@ from fsm_calib.world2d.effects import Effect, registry
 CHECKED = 4  # starts whose promise is checked by simulation
 NO_CHANGE = 1e-9  # squared whitened units: below it a start changes nothing that is seen
 LARGEST_RESCALE = 4.0  # a secant is trusted over a factor of four in amplitude
+ROUNDING = 1e-6  # of its power: less is left of a derivative by rounding
 LIKE = 0.1  # of its power: a change of which the others leave no more tells nothing that they do not tell
 
 Changes = Mapping[str, float]
@@ -127,18 +128,21 @@ class Prober:
         gains = [float(gain) for part in parts for gain in self._gains(self._white(part))]
         return [Start(values, gain) for values, gain in zip(tried, gains, strict=True)]
 
-    def reach(self, probes: Sequence[Probe]) -> float:
+    def reach(self, probes: Sequence[Probe], steps: Sequence[Probe] = ()) -> float:
         """Return the log-likelihood that any mixture of what some starts change could win, to first order.
 
         Half of the squared length of the residual's part in the span of their k columns, less k / 2, which noise alone
-        has there.
+        has there. steps : of single derivatives, of which what no start tells counts however little it is: far from a
+        map's origin a floor that curves is nearly a plane.
         """
         if not probes:
             return 0.0
-        columns = _of_unit_length(probes)
-        power, directions = np.linalg.eigh(columns.T @ columns)
-        told = power > LIKE
-        inside = directions[:, told].T @ (columns.T @ self.residual.psi) / np.sqrt(power[told])
+        first = _directions(_unit([probe.column for probe in probes]))
+        further = [probe.column - first @ (first.T @ probe.column) for probe in steps]
+        least = [ROUNDING * max(float(probe.column @ probe.column), NO_CHANGE) for probe in steps]
+        told = [c for c, power in zip(further, least, strict=True) if float(c @ c) > power]
+        within = np.column_stack([first, _directions(_unit(told))]) if told else first
+        inside = within.T @ self.residual.psi
         return 0.5 * float(inside @ inside - len(inside))
 
     def best_starts(
@@ -191,7 +195,7 @@ def distinct_of(probes: Sequence[Probe]) -> list[int]:
 
     A start of whose change the chosen ones leave less than the share `LIKE` of its power is left out.
     """
-    left = _of_unit_length(probes)
+    left = _unit([probe.column for probe in probes])
     chosen: list[int] = []
     while len(chosen) < len(probes):
         power = np.sum(left * left, axis=0)
@@ -204,10 +208,17 @@ def distinct_of(probes: Sequence[Probe]) -> list[int]:
     return chosen
 
 
-def _of_unit_length(probes: Sequence[Probe]) -> FloatArray:
-    """Return what starts change, as columns (N, k) of length one."""
-    columns = np.column_stack([probe.column for probe in probes])
+def _unit(changes: Sequence[FloatArray]) -> FloatArray:
+    """Return changes (N,) as columns (N, k) of length one."""
+    columns = np.column_stack(changes)
     return np.asarray(columns / np.sqrt(np.maximum(np.sum(columns * columns, axis=0), NO_CHANGE)))
+
+
+def _directions(columns: FloatArray) -> FloatArray:
+    """Return the directions (N, m), of length one and square to each other, in which columns of length one differ."""
+    power, mixed = np.linalg.eigh(columns.T @ columns)
+    told = power > LIKE
+    return np.asarray(columns @ (mixed[:, told] / np.sqrt(power[told])))
 
 
 def _two_sided(effect: Effect, hypothesis: Hypothesis) -> bool:

@@ -72,6 +72,10 @@ def _check_parameter(effect: Effect, p: Parameter) -> None:
         raise UnknownNameError(
             "unit", error.name, error.known, where=f"effect {effect.name}, parameter {p.name}"
         ) from None
+    if p.along and p.along not in {other.name for other in effect.parameters}:
+        raise _wrong(
+            effect, f"{p.name}: no parameter is called {p.along!r}", "Name the angle that it lies along."
+        )
     tried = (*(("starts", x) for x in p.starts), *(("searched", x) for x in p.searched))
     for name, value in (("null", p.null), ("typical", p.typical), *tried):
         if not p.low <= value <= p.high:

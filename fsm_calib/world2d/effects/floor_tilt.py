@@ -1,18 +1,18 @@
 r"""The floor is not level.
 
     F = -m g (slope_x + curve_x x + twist y, slope_y + twist x + curve_y y)     in `world`, at the centre of mass
-    slope + fold b (cos across, sin across),    b = 1/2 + (x cos across + y sin across - fold_at) / (2 h), 0 to 1
+    slope + fold b (cos across, sin across),    b = (x cos across + y sin across - fold_at) / (2 h), -1/2 to 1/2
 
 m [kg], g = 9.80665 m/s2, slope_x and slope_y [rad]: rise of the floor along the axes of `world` (small angles), all
-over it or, where it is curved, at the origin; x, y [m] the axle's centre in `world`; curve_x, curve_y, twist [rad/m]:
-how much the slopes grow with every metre (the height's second derivatives; slopes of a height have one twist). A
-floor that sags to its middle or to a drain has positive curves, one that drops to its edges negative ones. Where
-boards or slabs meet the slope changes at a line, `fold_at` [m] from the origin along its normal, across [rad] from
-the x axis, by fold [rad] (positive in a gutter, negative on a ridge), while the robot passes it with its wheels, h
-[m] half the axle either way. The robot rolls downhill also with its motors off. A force that changes with the place
-need be no floor: a spring or a cable that is fixed somewhere, a magnet, a stream of air do the same, and no motion
-tells which it is: a curved floor is even odds. None of them pulls alike on either side of a line: a folded floor is a
-floor.
+over it or, where it is curved, at the origin, where it is folded, on the line; x, y [m] the axle's centre in `world`;
+curve_x, curve_y, twist [rad/m]: how much the slopes grow with every metre (the height's second derivatives; slopes of
+a height have one twist). A floor that sags to its middle or to a drain has positive curves, one that drops to its
+edges negative ones. Where boards or slabs meet the slope changes at a line, `fold_at` [m] from the origin along its
+normal, across [rad] from the x axis, by fold [rad] (positive in a gutter, negative on a ridge), while the robot
+passes it with its wheels, h [m] half the axle either way. The robot rolls downhill also with its motors off. A force
+that changes with the place need be no floor: a spring or a cable that is fixed somewhere, a magnet, a stream of air
+do the same, and no motion tells which it is: a curved floor is even odds. None of them pulls alike on either side of
+a line: a folded floor is a floor.
 Source: gravity on an inclined plane; the height's second order over the place.
 """
 
@@ -35,7 +35,7 @@ def pull(P, o, S, m, W):
     slope_x, slope_y = P[o] + P[o + 2] * x + P[o + 4] * y, P[o + 1] + P[o + 4] * x + P[o + 3] * y
     if P[o + 5] != 0.0:
         c, s = math.cos(P[o + 6]), math.sin(P[o + 6])
-        beyond = min(max(0.5 + 0.5 * (c * x + s * y - P[o + 7]) / W[HALF_AXLE], 0.0), 1.0)
+        beyond = min(max(0.5 * (c * x + s * y - P[o + 7]) / W[HALF_AXLE], -0.5), 0.5)
         slope_x, slope_y = slope_x + P[o + 5] * beyond * c, slope_y + P[o + 5] * beyond * s
     gx, gy = -weight * slope_x, -weight * slope_y
     fx, fy = W[COS] * gx + W[SIN] * gy, W[COS] * gy - W[SIN] * gx
@@ -94,11 +94,11 @@ EFFECT = Effect(
         ),
         Parameter(
             "across", "chi", "rad", 0.0, -7.0, 7.0, 0.0, "any", strength=False, mirror="negate",
-            starts=(0.0, 0.25 * math.pi, 0.5 * math.pi, 0.75 * math.pi), step=5e-3,
+            starts=(0.0, 0.25 * math.pi, 0.5 * math.pi, 0.75 * math.pi), step=5e-4,
         ),
         Parameter(
-            "fold_at", "q_f", "m", 0.0, -3.0, 3.0, 0.0, "where the robot drives", strength=False,
-            starts=(-0.3, 0.0, 0.3), step=5e-3,
+            "fold_at", "q_f", "m", 0.0, -100.0, 100.0, 0.0, "where the robot drives", strength=False,
+            starts=(0.2, 0.35, 0.5, 0.65, 0.8), along="across", step=5e-3,
         ),
     ),
     hooks={"step": pull},
@@ -124,8 +124,8 @@ EFFECT = Effect(
             "folded",
             ("slope_x", "slope_y", "fold", "across", "fold_at"),
             "two planes that meet at a line: boards, slabs, a gutter, a ridge",
-            sentence="The floor rises by {slope_x} along x and {slope_y} along y, and by {fold} more beyond a line "
-            "across {across}, {fold_at} from the origin.",
+            sentence="The floor rises by {slope_x} along x and {slope_y} along y where it folds, and by {fold} more "
+            "beyond that line than before it: across {across}, {fold_at} from the origin.",
             extends=("plane", "curved"),
         ),
     ),

@@ -41,6 +41,9 @@ class Parameter:
         a full difference) or ``swap:NAME`` with the value of another parameter.
     starts : tuple of float
         Values from which a fit should be started when the null value does not lead to the truth.
+    along : str
+        Name of the effect's angle [rad] along whose direction it is a distance from the origin, its starts then being
+        shares of the stretch that the drives cover that way.
     searched : tuple of float
         Values of a number that is not fitted, each of which is tried by simulation: of how many steps a driver knows no
         derivative tells. Tried where no closure holds it at a value.
@@ -95,6 +98,7 @@ class Parameter:
     with_encoders: bool = False
     mirror: str = "same"
     starts: tuple[float, ...] = ()
+    along: str = ""
     searched: tuple[float, ...] = ()
     step: float = 0.0
     natural_end: bool = False
