@@ -142,8 +142,13 @@ def test_no_argument_makes_a_name_impossible() -> None:
 
 
 def test_a_name_is_as_probable_as_that_it_adds_anything() -> None:
-    belief = belief_of(support(added=evidence_of(0.7), instead=-1e9))
-    assert belief.probability == pytest.approx(0.7 * shape_probability(support()))
+    belief = belief_of(support(added=evidence_of(0.998), instead=-1e9))
+    assert belief.probability == pytest.approx(0.998 * shape_probability(support()))
+
+
+def test_a_name_whose_evidence_chance_may_bring_is_even_odds() -> None:
+    belief = belief_of(support(added=evidence_of(0.99), instead=-1e9))
+    assert belief.probability == pytest.approx(0.5 * 0.99 * shape_probability(support()))
 
 
 def test_a_rival_that_the_data_cannot_tell_stands_beside_the_name_and_takes_nothing() -> None:

@@ -5,17 +5,18 @@ r"""How sure is a name? It must add something, beat its rivals, and be the law t
                         - jolted
 
 added, p_r : from the gaps in evidence over nothing and over rival r, each tempered by its own spread from second to
-second (`proof/gap.py`), that over a rival also by a hundredth of what the name explains (EXACT: no equation is exact to
-less) and by what is left that could do the name's job (`Support.outdoes`); c [1] : the odds that a moment stands out so
-far by chance (`Support.by_chance`); left, replaced, moved [1] : shares of what the name explains that un-named forms
-explain beside it, or better in its place, and that is another law in each drive; patchy [1] : how well it could mend
-what is inexact in stronger effects (`verdict/support.py`); jolted [1] : an event comes where the robot is jolted most
-(`candidates/jolts.py`). A right name whose equation is another than ours and a wrong neighbour differ in these shares,
-not in sizes. The numbers were set on opened development robots (`benchmarks/concealed`, `benchmarks/engine` with the
-mass behind the axle, `benchmarks/foreign` seed 1), right names against names given when the true one had been taken out
-of the catalogue; DOUBT and SLIGHT of uneven evidence on sets whose keys had been opened (`benchmarks/foreign` seeds 7,
-8, 10 to 12 and 16, one set of `benchmarks/concealed`). No robot was among them that was sealed at the time.
-docs/constants.md lists them.
+second (`proof/gap.py`), that over a rival also by a hundredth of what the name explains (EXACT: no equation is exact
+to less) and by what is left that could do the name's job (`Support.outdoes`); c [1] : the odds that a moment stands
+out so far by chance, even ones that a law does whose evidence lies in a handful of seconds (`Support.by_chance`);
+left, replaced, moved [1] : shares of what the name explains that un-named forms explain beside it, or better in its
+place, and that is another law in each drive; patchy [1] : how well it could mend what is inexact in stronger effects
+(`verdict/support.py`); jolted [1] : an event comes where the robot is jolted most (`candidates/jolts.py`). A right
+name whose equation is another than ours and a wrong neighbour differ in these shares, not in sizes. The numbers were
+set on opened development robots (`benchmarks/concealed`, `benchmarks/engine` with the mass behind the axle,
+`benchmarks/foreign` seed 1), right names against names given when the true one had been taken out of the catalogue;
+DOUBT and SLIGHT of uneven evidence on sets whose keys had been opened (`benchmarks/foreign` seeds 7, 8, 10 to 12 and
+16, one set of `benchmarks/concealed`). No robot was among them that was sealed at the time. docs/constants.md lists
+them.
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ from fsm_calib.diagnosis.fitting.fit import Fit
 from fsm_calib.diagnosis.proof.form_test import Contest
 from fsm_calib.diagnosis.proof.gap import Gap
 from fsm_calib.diagnosis.proof.one_law import OneLaw
+from fsm_calib.diagnosis.shapes.score_tests import ALPHA
 from fsm_calib.world2d.effects import registry
 from fsm_calib.world2d.parameters import parameter_table
 
@@ -94,12 +95,15 @@ class Support:
 
     @property
     def by_chance(self) -> float:
-        """How many effects of the catalogue would stand out so far at some moment where nothing happened.
+        """The odds that chance has it: how many effects would stand out so far at some moment where nothing happened.
 
         Each name that a robot may have is a priori as likely as a moment that is none, so that this is the odds
-        against an event.
+        against an event. A law is even odds where its evidence does not stand out from its own spread (ALPHA): a
+        handful of seconds has it all, as something else has that acts in them.
         """
-        return self.effect.hypothesis.chance * len(registry())
+        if is_event(registry()[self.name]):
+            return self.effect.hypothesis.chance * len(registry())
+        return float(1.0 - self.added.probability > ALPHA)
 
     @property
     def left(self) -> float:
