@@ -14,14 +14,13 @@ from fsm_calib.diagnosis.verdict.support import Support
 class Argument:
     """The numbers from which `posterior` makes the probability of a name.
 
-    evidence, spread : what the effect adds to all others, and its standard deviation from second to second; share : of
-    what all effects add; left, stands_in : what forms without a name explain beside the model, as a share of the
-    evidence, and how much of the effect's job these could do; uneven : how well it could be a patch; replaced, moved :
-    as a share, what forms explain better in its place, and what is another law in each drive; jolted : log odds against
-    a moment in which the robot is jolted; chance : the odds that chance has it, of a law 1 where its evidence may be chance and else 0, of an
-    event how many moments would stand out as far where nothing happened;
-    rivals : names in its place, with the evidence that each lacks and its spread. Shares [1], evidence twice a
-    log-likelihood.
+    evidence, spread : what the effect adds to all others, and its standard deviation from second to second; share :
+    of what all effects add; left, stands_in : what forms without a name explain beside the model, as a share of the
+    evidence, and how much of the effect's job these could do; uneven : how well it could be a patch; replaced, moved
+    : as a share, what forms explain better in its place, and what is another law in each drive; jolted : log odds
+    against a moment in which the robot is jolted; chance : the odds that chance has it, of a law 1 where its evidence
+    may be chance and else 0, of an event how many moments would stand out as far where nothing happened; rivals :
+    names in its place, with the evidence that each lacks and its spread. Shares [1], evidence twice a log-likelihood.
     """
 
     name: str
