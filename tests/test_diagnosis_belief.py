@@ -200,9 +200,10 @@ def test_what_is_left_but_cannot_do_the_name_s_job_lets_no_rival_in() -> None:
             "leaves what depends on turn",
         ),
         (
-            support(added=100.0, spread=60.0, share=0.1, beside_quantities=()),
+            support(added=100.0, spread=30.0, share=0.1, beside_quantities=()),
             "may only mend what is inexact in stronger effects",
         ),
+        (support(added=100.0, spread=60.0), "a handful of seconds has its evidence (100 +- 60)"),
         (
             support(added=100.0, beside=20.0, beside_quantities=(), moved=0.25),
             "each drive asks for another size (25 % is lost)",

@@ -247,6 +247,9 @@ def _complaint(model: Model) -> str:
     twin = min(support.twins, key=lambda twin: twin.gap.probability, default=None)
     if twin is not None and twin.gap.probability < TOLD_APART:
         return f"{nearest} comes nearest, but {twin.what} does as well"
+    if support.is_sparse:
+        added = f"{support.added.evidence:.0f} +- {support.added.spread:.0f}"
+        return f"{nearest} comes nearest, but a handful of seconds has its evidence ({added})"
     if support.replaced > 0.0 and forms.instead_quantities:
         return (
             f"{nearest} comes nearest, but {law_of(forms.instead_quantities)} "

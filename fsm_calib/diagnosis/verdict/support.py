@@ -98,12 +98,17 @@ class Support:
         """The odds that chance has it: how many effects would stand out so far at some moment where nothing happened.
 
         Each name that a robot may have is a priori as likely as a moment that is none, so that this is the odds
-        against an event. A law is even odds where its evidence does not stand out from its own spread (ALPHA): a
-        handful of seconds has it all, as something else has that acts in them.
+        against an event. A law that does not stand out (`is_sparse`) is even odds.
         """
-        if is_event(registry()[self.name]):
-            return self.effect.hypothesis.chance * len(registry())
-        return float(1.0 - self.added.probability > ALPHA)
+        return 1.0 if self.is_sparse else self.effect.hypothesis.chance * len(registry())
+
+    @property
+    def is_sparse(self) -> bool:
+        """Whether it is a law whose evidence does not stand out from its own spread (ALPHA).
+
+        A handful of seconds has it all, as something else would have that acts in them.
+        """
+        return not is_event(registry()[self.name]) and 1.0 - self.added.probability > ALPHA
 
     @property
     def left(self) -> float:
