@@ -146,6 +146,11 @@ def test_a_name_is_as_probable_as_that_it_adds_anything() -> None:
     assert belief.probability == pytest.approx(0.998 * shape_probability(support()))
 
 
+def test_what_keeps_time_with_the_wheels_may_show_in_few_seconds() -> None:
+    assert support(added=65.0, spread=26.0).is_sparse
+    assert not support("wheel_eccentricity", added=65.0, spread=26.0).is_sparse
+
+
 def test_a_name_whose_evidence_chance_may_bring_is_even_odds() -> None:
     belief = belief_of(support(added=evidence_of(0.99), instead=-1e9))
     assert belief.probability == pytest.approx(0.5 * 0.99 * shape_probability(support()))
