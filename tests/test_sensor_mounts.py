@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from diagnosis_robots import recording
+from diagnosis_robots import recording, robot
 
 from fsm_calib.diagnosis.diagnose import diagnose
 from fsm_calib.world2d.effects import registry
@@ -15,8 +15,7 @@ WITHOUT = [name for name in registry() if name not in CONSIDERED]
 
 def seen(times, poses, **numbers):
     """Return what a sensor reports of poses (n, 3) at times (n,) [s], with the numbers of one effect."""
-    vector = parameters({name.replace("__", "."): value for name, value in numbers.items()})
-    return observe(vector, np.asarray(times, dtype=float), np.asarray(poses, dtype=float))
+    return observe(robot(**numbers), np.asarray(times, dtype=float), np.asarray(poses, dtype=float))
 
 
 def named(**hidden):

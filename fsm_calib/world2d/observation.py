@@ -113,9 +113,10 @@ def predict(
     wheel_times : array, shape (m,), optional
         Times of the wheel angles [s] on the robot's clock.
     """
-    true_times = robot_time(parameters, stamps)
+    on = active_flags(parameters)
+    true_times = robot_time(parameters, stamps, on)
     asked = [true_times, np.zeros(0) if wheel_times is None else wheel_times]
-    asked.append(_between(true_times) if _active(parameters, "smooth", None) else np.zeros(0))
+    asked.append(_between(true_times) if _active(parameters, "smooth", on) else np.zeros(0))
     grid, places = np.unique(np.concatenate(asked), return_inverse=True)
     simulated = simulate(parameters, drive, grid, x0, pose_track, dt)[places.ravel()]
     states, wheels, fine = np.split(simulated, np.cumsum([len(times) for times in asked[:2]]))
@@ -124,9 +125,9 @@ def predict(
         where = np.column_stack([np.interp(true_times, pose_track[:, 0], pose_track[:, i]) for i in (1, 2)])
     seen = states[:, :3].copy()
     if len(fine):
-        changed = smoothed(parameters, asked[2], fine) - fine[:, :3]
+        changed = smoothed(parameters, asked[2], fine, on) - fine[:, :3]
         seen += np.column_stack([np.interp(true_times, asked[2], column) for column in changed.T])
-    return Prediction(observe(parameters, true_times, seen, where), wheels[:, 6:8], states)
+    return Prediction(observe(parameters, true_times, seen, where, on), wheels[:, 6:8], states)
 
 
 def _between(times: FloatArray) -> FloatArray:

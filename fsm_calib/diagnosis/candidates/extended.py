@@ -53,12 +53,19 @@ def _further(
 def _on_the_way(prober: Prober, effect: Effect, choice: dict[str, float]) -> dict[str, float]:
     """Return a choice whose distances along a direction lie by their shares of what the drives cover that way [m]."""
     placed = {f"{effect.name}.{p.name}": f"{effect.name}.{p.along}" for p in effect.parameters if p.along}
-    for name, angle in placed.items():
-        if name in choice and angle in choice:
-            way = np.cos(choice[angle]), np.sin(choice[angle])
-            reached = np.concatenate([s.prepared.reference[:, :2] @ way for s in prober.simulators])
-            choice[name] = float(reached.min() + choice[name] * np.ptp(reached))
-    return choice
+    metres = {
+        name: _covered(prober, choice[angle], choice[name])
+        for name, angle in placed.items()
+        if name in choice and angle in choice
+    }
+    return choice | metres
+
+
+def _covered(prober: Prober, angle: float, share: float) -> float:
+    """Return how far from the origin along an angle [rad] a share of what the drives cover that way lies [m]."""
+    way = np.cos(angle), np.sin(angle)
+    reached = np.concatenate([s.prepared.reference[:, :2] @ way for s in prober.simulators])
+    return float(reached.min() + share * np.ptp(reached))
 
 
 def _starts(p: Parameter, size: float) -> tuple[float, ...]:

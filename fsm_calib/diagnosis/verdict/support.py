@@ -109,9 +109,13 @@ class Support:
         A handful of seconds has it all, as something else would have that acts in them; but for what keeps time with
         the wheels' turning (a strip of tape on a real robot's wheel: 65 +- 26 units), which is asked turned about.
         """
-        effect = registry()[self.name]
-        sought = is_event(effect) or "wheel_angle" in effect.reads
+        sought = is_event(registry()[self.name]) or self._keeps_time
         return not sought and 1.0 - self.added.probability > ALPHA
+
+    @property
+    def _keeps_time(self) -> bool:
+        """Whether it keeps time with the wheels' turning."""
+        return "wheel_angle" in registry()[self.name].reads
 
     @property
     def left(self) -> float:
@@ -147,8 +151,7 @@ class Support:
         over the drives' seconds (`alone`). Physics that every robot has needs no such excuse, and what keeps time with
         the wheels' turning mends nothing else.
         """
-        effect = registry()[self.name]
-        if effect.universal or "wheel_angle" in effect.reads:
+        if registry()[self.name].universal or self._keeps_time:
             return 0.0
         uneven = self.alone.spread / max(self.added.evidence, 1.0)
         return (1.0 - self.share) * math.log1p(uneven / SLIGHT)

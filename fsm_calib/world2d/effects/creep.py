@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from fsm_calib.types import FloatArray
+from fsm_calib.world2d.effects.closure import Closure
 from fsm_calib.world2d.effects.parameter import Parameter
 
 CREEP_PARAMETERS = (
@@ -43,6 +44,18 @@ CREEP_PARAMETERS = (
     ),
 )
 """The numbers of a mount that gives way, which an effect of it has after its own."""
+
+
+def creeping(moves: tuple[str, ...], sentence: str) -> Closure:
+    """Return the closure of a mount that gives way, of an effect whose plain one, *full*, frees `moves`."""
+    return Closure(
+        "creeping",
+        (*moves, *(p.name for p in CREEP_PARAMETERS)),
+        "its mount gives way during a drive",
+        sentence=sentence,
+        source="Ferry 1980, chapter 3",
+        extends=("full",),
+    )
 
 
 def crept(p: FloatArray, times: FloatArray) -> FloatArray:

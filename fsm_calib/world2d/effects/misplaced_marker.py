@@ -22,7 +22,7 @@ import numpy as np
 
 from fsm_calib.types import FloatArray
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
-from fsm_calib.world2d.effects.places import centre_parameters
+from fsm_calib.world2d.effects.places import centre_parameters, heading_parameter
 from fsm_calib.world2d.slots import EDGE
 
 LOOK_EDGE = 0.2
@@ -94,20 +94,7 @@ EFFECT = Effect(
             step=6e-3,
             starts=(0.08,),
         ),
-        Parameter(
-            "face",
-            "phi_m",
-            "rad",
-            0.0,
-            -7.0,
-            7.0,
-            0.0,
-            "any heading",
-            strength=False,
-            mirror="negate",
-            step=0.02,
-            starts=(-2.4, -1.6, -0.8, 0.0, 0.8, 1.6, 2.4, 3.1),
-        ),
+        heading_parameter("face", "phi_m", starts=(-2.4, -1.6, -0.8, 0.0, 0.8, 1.6, 2.4, 3.1)),
         Parameter(
             "view",
             "w_m",

@@ -51,6 +51,24 @@ def centre_parameters(index: str, doubt: float = 0.0) -> tuple[Parameter, Parame
     return x, replace(x, name="y", symbol=f"y_{index}", mirror="negate")
 
 
+def heading_parameter(name: str, symbol: str, starts: tuple[float, ...]) -> Parameter:
+    """Return the heading in the world [rad] for which something holds, tried from `starts`."""
+    return Parameter(
+        name,
+        symbol,
+        "rad",
+        0.0,
+        -7.0,
+        7.0,
+        0.0,
+        "any heading",
+        strength=False,
+        mirror="negate",
+        step=0.02,
+        starts=starts,
+    )
+
+
 def spread_parameter(symbol: str) -> Parameter:
     """Return the parameter that says where a spot is felt: under each wheel or under the body's middle."""
     return Parameter(

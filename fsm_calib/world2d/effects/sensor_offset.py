@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects.creep import CREEP_PARAMETERS, crept
+from fsm_calib.world2d.effects.creep import CREEP_PARAMETERS, creeping, crept
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
 
 
@@ -71,14 +71,10 @@ EFFECT = Effect(
     source="lever arm of a sensor",
     closures=(
         Closure("full", ("x", "y"), "it stays where it is"),
-        Closure(
-            "creeping",
-            ("x", "y", "creep", "settle"),
-            "its mount gives way during a drive",
-            sentence="The measured point lies {x:ahead|behind} and {y:left|right} of the axle's centre at last; "
+        creeping(
+            ("x", "y"),
+            "The measured point lies {x:ahead|behind} and {y:left|right} of the axle's centre at last; "
             "{creep} of that it moves within {settle}.",
-            source="Ferry 1980, chapter 3",
-            extends=("full",),
         ),
         Closure(
             "on a mast",

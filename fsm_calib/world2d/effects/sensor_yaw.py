@@ -14,8 +14,9 @@ from __future__ import annotations
 import numpy as np
 
 from fsm_calib.types import FloatArray
-from fsm_calib.world2d.effects.creep import CREEP_PARAMETERS, crept
+from fsm_calib.world2d.effects.creep import CREEP_PARAMETERS, creeping, crept
 from fsm_calib.world2d.effects.effect import Closure, Effect, Parameter
+from fsm_calib.world2d.effects.places import heading_parameter
 
 SWINGING = (
     "The measured heading is turned by {yaw:to the left|to the right}, and by up to {swing} with the view."
@@ -52,20 +53,7 @@ EFFECT = Effect(
             step=1e-3,
             starts=(0.01,),
         ),
-        Parameter(
-            "towards",
-            "phi_w",
-            "rad",
-            0.0,
-            -7.0,
-            7.0,
-            0.0,
-            "any heading",
-            strength=False,
-            mirror="negate",
-            step=0.02,
-            starts=(0.0, 0.8, 1.6, 2.4),
-        ),
+        heading_parameter("towards", "phi_w", starts=(0.0, 0.8, 1.6, 2.4)),
         Parameter(
             "folds",
             "n_w",
@@ -89,32 +77,30 @@ EFFECT = Effect(
     source="hand-eye calibration",
     closures=(
         Closure("full", ("yaw",), "by as much all the time"),
-        Closure(
-            "creeping",
-            ("yaw", "creep", "settle"),
-            "its mount gives way during a drive",
-            sentence="The measured heading is turned by {yaw:to the left|to the right} at last; {creep} of that comes "
+        creeping(
+            ("yaw",),
+            "The measured heading is turned by {yaw:to the left|to the right} at last; {creep} of that comes "
             "within {settle}.",
-            source="Ferry 1980, chapter 3",
-            extends=("full",),
         ),
-        Closure(
-            "foreshortened",
-            ("yaw", "swing", "towards"),
-            "the view of the floor is foreshortened: off twice a turn",
-            sentence=SWINGING,
-            source="Hartley & Zisserman 2004, section 2.4",
-            fixes={"folds": 2.0},
-            extends=("full",),
-        ),
-        Closure(
-            "tilted",
-            ("yaw", "swing", "towards"),
-            "a tilted tag in one view: off once a turn",
-            sentence=SWINGING,
-            source="Olson, ICRA 2011",
-            fixes={"folds": 1.0},
-            extends=("full",),
+        *(
+            Closure(
+                name,
+                ("yaw", "swing", "towards"),
+                summary,
+                sentence=SWINGING,
+                source=source,
+                fixes={"folds": folds},
+                extends=("full",),
+            )
+            for name, folds, summary, source in (
+                (
+                    "foreshortened",
+                    2.0,
+                    "the view of the floor is foreshortened: off twice a turn",
+                    "Hartley & Zisserman 2004, section 2.4",
+                ),
+                ("tilted", 1.0, "a tilted tag in one view: off once a turn", "Olson, ICRA 2011"),
+            )
         ),
     ),
     order=20,
