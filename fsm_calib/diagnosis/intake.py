@@ -70,10 +70,12 @@ def take_in(
     notes += [sentence] if sentence else []
     train = [with_input(with_poses(sized(r, size), robot)) for r in recordings]
     new = [with_input(with_poses(sized(r, size), robot)) for r in holdouts]
-    for mended in (with_steady_clocks, with_fine_clocks, with_changes_placed):
+    for mended in (with_steady_clocks, with_fine_clocks):
         laid, told = mended([*train, *new], processes)
         train, new = laid[: len(train)], laid[len(train) :]
         notes += told
+    train, new, told = with_changes_placed(train, new, processes)
+    notes += told
     train, new, sentence = with_stamps(train, new)
     notes += [sentence] if sentence else []
     if any(r.pose is not None and not r.pose.has_heading for r in train):
