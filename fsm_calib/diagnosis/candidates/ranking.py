@@ -11,6 +11,7 @@ import numpy as np
 from fsm_calib.diagnosis.candidates.approached import Approached, worth_following
 from fsm_calib.diagnosis.candidates.asked import Answers, Asked, Distinct
 from fsm_calib.diagnosis.candidates.best_choice import with_best_choice
+from fsm_calib.diagnosis.candidates.contained import stuck_above
 from fsm_calib.diagnosis.candidates.extended import beyond
 from fsm_calib.diagnosis.candidates.hypotheses import (
     Hypothesis,
@@ -297,8 +298,10 @@ class Bank:
         return (*self.parent.slots, *(s for s in free if (s.place, s.run) not in taken))
 
     def _extended(self, effect: Effect, begun: Sequence[Ranked]) -> list[Ranked]:
-        """Begin the closures that extend one which has won something, here or in the parent, each from the best."""
-        larger, least = [], self._worth
+        """Begin forms again that won less than one they contain, and the closures that extend one which has won
+        something, here or in the parent, each from the best.
+        """
+        larger, least = [self._begun(form, start) for form, start in stuck_above(begun)], self._worth
         if effect.name in parameter_table().active_effects(self.parent.values[0]):
             least = -np.inf
         for closure in effect.extending:
