@@ -36,6 +36,7 @@ from fsm_calib.diagnosis.fitting.side_by_side import side_by_side
 from fsm_calib.diagnosis.fitting.values import taken_over
 from fsm_calib.diagnosis.fitting.wald import strengths_of, wald
 from fsm_calib.diagnosis.proof.gap import TOLD_APART, gap_between
+from fsm_calib.diagnosis.verdict.either_order import the_other_way_round
 from fsm_calib.diagnosis.verdict.every_recording import come_again, in_every_recording
 from fsm_calib.diagnosis.verdict.in_its_place import in_the_others_company, on_its_own_ground
 from fsm_calib.diagnosis.verdict.spared import spared
@@ -45,9 +46,7 @@ from fsm_calib.world2d.effects import Effect, registry
 from fsm_calib.world2d.parameters import parameter_table
 
 POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
-EVENT_SHARE = (
-    0.3  # of the first's evidence: an event of one recording with less does not lead with all of them
-)
+EVENT_SHARE = 0.3  # of the first's evidence: an event of one drive with less does not lead with all of them
 POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
 BEAM = 2  # other first effects that are given company of their own
 SURELY_NEEDED = 8.0  # times the evidence wanted, by its own deviation: an effect that is not taken out to see
@@ -97,10 +96,10 @@ class Selector:
 
         An event counts with what happened of its kind in the other recordings: others explain all of them, too.
         """
-        told = [r for r in self._polish(found, parent) if self._is_told(r)]
+        told = [r for r in self._polish(found, parent) if self.is_told(r)]
         least = max(self.needed, EVENT_SHARE * told[0].evidence) if told else 0.0
         whole = [
-            in_every_recording(self.engine, r, self.needed, self._is_told) if r.evidence >= least else r
+            in_every_recording(self.engine, r, self.needed, self.is_told) if r.evidence >= least else r
             for r in told
         ]
         return sorted(whole, key=lambda r: -r.evidence)
@@ -118,9 +117,9 @@ class Selector:
         if not ranking or ranking[0].evidence < self.needed:
             return bank, ranking
         again = sought_again(self.engine, self.base, ranking, self.catalogue)
-        return bank, [r for r in again if r in ranking or self._is_told(r)]
+        return bank, [r for r in again if r in ranking or self.is_told(r)]
 
-    def _is_told(self, ranked: Ranked) -> bool:
+    def is_told(self, ranked: Ranked) -> bool:
         """Return whether an effect is what its name says and, if it is an event, happened."""
         return is_plausible(ranked, self.engine.simulators) and happened(self.engine, ranked, self.needed)
 
@@ -159,7 +158,7 @@ class Selector:
 
     def _come_again(self, selection: Selection) -> Selection | None:
         """Return the selection with an event that came more often than was seen before; None where none did."""
-        again = come_again(self.engine, selection.effects, selection.fit, self.needed, self._is_told)
+        again = come_again(self.engine, selection.effects, selection.fit, self.needed, self.is_told)
         wanted = self._wanted(selection)
         return again and self._pruned(*again, selection.rankings, wanted, SURELY_NEEDED * wanted)
 
@@ -238,6 +237,8 @@ class Selector:
         in_order = sorted(further, key=lambda e: before.get(e.name, len(before)))
         found = self._told(bank.rank(in_order, self.progress, self.needed), selection.fit)
         rankings = (*selection.rankings, tuple(found))
+        if len(selection.effects) == 1 and (pair := the_other_way_round(self, selection.rankings[0], found)):
+            return self._pruned(pair, pair[0].fit, (*selection.rankings, (pair[1], *found)), wanted)
         each = (self.goal - selection.fit.score) / (self.most - len(selection.effects))  # on average
         if not found or found[0].evidence < wanted or found[0].fit.score - selection.fit.score < each:
             return None
