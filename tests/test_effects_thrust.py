@@ -1,4 +1,6 @@
-"""Gears that press on a washer one way: more dry friction of a motor that turns backwards, or a share of its torque."""
+"""Gears that press on a washer one way: more dry friction of a motor that turns backwards, or a share of its torque;
+and a transistor that has burnt: more resistance of the circuit one way.
+"""
 
 from functools import partial
 
@@ -44,8 +46,18 @@ def test_stiff_gears_take_backwards_what_dry_friction_takes_both_ways():
     assert abs(speeds(*back, **stiff)[-1]) < 0.97 * abs(speeds(*back, **plain)[-1])
 
 
+def test_more_resistance_one_way_speeds_up_later_that_way_and_brakes_as_ever():
+    plain, burnt = {}, of_both("ohm", 1.0)
+    assert time_constant(1.0, **burnt) == pytest.approx(time_constant(1.0, **plain), rel=1e-6)
+    assert time_constant(-1.0, **burnt) == pytest.approx(2.0 * time_constant(-1.0, **plain), rel=0.1)
+    driven = ([0.0, 2.0], [-0.5, 0.0], GRID)
+    braked = [speeds(*driven, **changes)[GRID >= 2.0] for changes in (plain, burnt)]
+    assert braked[1] == pytest.approx(braked[0], abs=1e-3)
+
+
 @pytest.mark.parametrize(
-    ("name", "size", "closure"), [("rub", RUB, "rubbing gears"), ("stiff", 0.008, "stiff gears")]
+    ("name", "size", "closure"),
+    [("rub", RUB, "rubbing gears"), ("stiff", 0.008, "stiff gears"), ("ohm", 1.0, "more resistance")],
 )
 def test_they_are_named_with_both_sizes(name, size, closure):
     decision = judged(RIVALS, **of_both(name, size))

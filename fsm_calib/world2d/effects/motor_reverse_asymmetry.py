@@ -5,6 +5,7 @@ r"""A motor is weaker (or stronger) backwards than forwards.
     u_effective = u + drop_i tanh(|u| / 0.05)     u < 0, as a voltage drop
     T_i -> T_i / (1 + flux_i),    D_i -> D_i (1 + flux_i)^2       w_i < 0, as another motor constant
     R F_i = tau_i - (stiff_i + rub_i |tau_i|) sgn(w_i)            w_i < 0, as gears that press on a washer
+    D_i -> D_i / (1 + ohm_i)                                      u_i < 0, as more resistance one way
 
 loss [1]: mean over both motors; difference [1]: what the left motor loses more than the right one; drop [1]: a
 piece of the command that a junction in the way of the reverse current takes, whole from 0.1 of the command on.
@@ -13,8 +14,9 @@ set for one direction cut the armature at another angle in the other; speed and 
 speed T [m/s] falls with 1 / k, and the slope D [N s/m] of the torque grows with k^2: slower, but stiffer. Brushed
 motors with advanced brushes run 2 to 15 % slower one way; the two motors of a robot are mounted as mirror images.
 stiff [N m], rub [1]: dry friction of a gear train that turns backwards, and its share of the torque tau [N m] that it
-passes; R [m] wheel radius, F [N] force at the rim. Helical and worm gears press along their shafts, one way on a
-bearing and the other way on a washer; a worn seal or a tilted brush takes a constant part.
+passes; R [m] wheel radius, F [N] force at the rim; ohm [1] what lies in the way of a reverse current (a transistor that
+has burnt, a relay's contact), in windings: as fast, but weaker. Helical and worm gears press along their shafts, one
+way on a bearing and the other way on a washer; a worn seal or a tilted brush takes a constant part.
 Source: Hughes & Drury, Electric Motors and Drives, 5th ed., sections 3.2 (brush shift, k = K phi) and 2.4 (voltage
 drops of devices); Shigley, Mechanical Engineering Design, 9th ed., sections 13-10 and 13-11 (axial thrust of helical
 and worm gears).
@@ -45,7 +47,9 @@ def weaken(P, o, u, side):
 
 @njit(error_model="numpy")
 def turn_backwards(P, o, S, m, W):
-    """Give motors that turn backwards, or start to, their other constant, and the friction of their gears."""
+    """Give motors that turn backwards, or start to, their other constant and their gears' friction, those that are told
+    to another resistance.
+    """
     for side in range(2):
         rim = S[RIM + side]
         if rim < 0.0 or (rim == 0.0 and W[TARGET + side] < 0.0):
@@ -54,6 +58,8 @@ def turn_backwards(P, o, S, m, W):
             W[DRIVE + side] *= k * k
             rub = P[o + 9 + side] * abs(W[DRIVE + side] * (W[TARGET + side] - S[RIM + side]))
             W[DRY + side] += P[o + 7 + side] / W[RADIUS + side] + rub
+        if W[TARGET + side] < 0.0:
+            W[DRIVE + side] /= 1.0 + P[o + 11 + side]
 
 
 EFFECT = Effect(
@@ -99,6 +105,19 @@ EFFECT = Effect(
         *of_each_wheel(
             Parameter(
                 "rub", "1 - eta_b", "1", 0.0, 0.0, 0.9, 0.0, "a washer in place of a bearing", starts=(0.2,)
+            )
+        ),
+        *of_each_wheel(
+            Parameter(
+                "ohm",
+                "r",
+                "1",
+                0.0,
+                -0.6,
+                9.0,
+                0.0,
+                "a burnt transistor: once the winding",
+                starts=(0.3, -0.2),
             )
         ),
     ),
@@ -149,6 +168,13 @@ EFFECT = Effect(
             ("rub_left", "rub_right"),
             "backwards the gears lose a share of the torque that they pass",
             sentence="Backwards the gears lose {rub_left} (left) and {rub_right} (right) of the torque that they pass.",
+        ),
+        Closure(
+            "more resistance",
+            ("ohm_left", "ohm_right"),
+            "what a reverse current goes through resists more",
+            sentence="Backwards the motors' circuits resist more than forwards: by {ohm_left} of the winding (left) "
+            "and {ohm_right} (right).",
         ),
     ),
     input="command",
