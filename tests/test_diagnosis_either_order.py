@@ -7,6 +7,7 @@ from diagnosis_robots import engine_of, recording, selector_on
 
 from fsm_calib.diagnosis.candidates.ranking import Bank
 from fsm_calib.diagnosis.fitting.base import fit_base
+from fsm_calib.diagnosis.verdict import selection
 from fsm_calib.diagnosis.verdict.either_order import NEAR, the_other_way_round
 from fsm_calib.world2d.effects import registry
 
@@ -48,3 +49,17 @@ def test_what_is_no_finding_in_company_is_left(asked, monkeypatch):
     selector, alone, _ = asked
     monkeypatch.setattr(type(selector), "is_told", lambda self, ranked: ranked.name != alone[1].name)
     assert the_other_way_round(selector, alone, []) is None
+
+
+def test_a_pair_of_which_one_does_without_the_other_is_asked_once_and_left(asked, monkeypatch):
+    selector, alone, _ = asked
+    calls = []
+
+    def needless(finding, ranking, found):
+        calls.append(ranking)
+        return ranking[0], replace(ranking[1], fit=ranking[0].fit)
+
+    monkeypatch.setattr(selection, "the_other_way_round", needless)
+    grown = selector.grown(alone)
+    assert len(calls) == 1
+    assert {effect.name for effect in grown.effects} == set(PAIR)

@@ -237,8 +237,10 @@ class Selector:
         in_order = sorted(further, key=lambda e: before.get(e.name, len(before)))
         found = self._told(bank.rank(in_order, self.progress, self.needed), selection.fit)
         rankings = (*selection.rankings, tuple(found))
-        if len(selection.effects) == 1 and (pair := the_other_way_round(self, selection.rankings[0], found)):
-            return self._pruned(pair, pair[0].fit, (*selection.rankings, (pair[1], *found)), wanted)
+        if len(selection.rankings) == 1 and (pair := the_other_way_round(self, selection.rankings[0], found)):
+            both = self._pruned(pair, pair[0].fit, (*selection.rankings, (pair[1], *found)), wanted)
+            if len(both.effects) == len(pair):  # else one does without the other: as found
+                return both
         each = (self.goal - selection.fit.score) / (self.most - len(selection.effects))  # on average
         if not found or found[0].evidence < wanted or found[0].fit.score - selection.fit.score < each:
             return None
@@ -342,9 +344,6 @@ class Selector:
         return sorted(leaders + ranking[len(leaders) :], key=lambda r: -r.evidence)
 
     def _where_likeliest(self, ranked: Ranked) -> Ranked:
-        """Return a leader with its place, if it has one, where it is likeliest and still one that is crossed.
-
-        What a place leaves beside its spot would be taken for further effects, a push more often than not.
-        """
+        """Return a leader with its place where it is likeliest and crossed: what it leaves would be said as a push."""
         sought = replace(ranked, fit=placed(self.engine, ranked.fit, [ranked], self.rng))
         return sought if is_crossed(sought, self.engine.simulators) else ranked
