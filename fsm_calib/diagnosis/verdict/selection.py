@@ -49,6 +49,7 @@ POLISHED = 6  # candidates that get fresh Jacobians and all noise levels
 EVENT_SHARE = 0.3  # of the first's evidence: an event of one drive with less does not lead with all of them
 POLISH_SHARE = 0.6  # of the first's evidence: below it no polish turns the order
 BEAM = 2  # other first effects that are given company of their own
+MOST_ROUNDS = 24  # six effects take some ten; growth ends even where what joins and what goes take turns
 SURELY_NEEDED = 8.0  # times the evidence wanted, by its own deviation: an effect that is not taken out to see
 
 Progress = Callable[[str], None]
@@ -146,7 +147,7 @@ class Selector:
         Once one has gone as another came, what is left has been tried, but for what the one that went hid: then only
         what was seen beside it is asked, and moments.
         """
-        while len(selection.effects) < self.most:
+        while len(selection.effects) < self.most and len(selection.rankings) < MOST_ROUNDS:
             bank = self._bank_on(selection)
             one_went = len(selection.effects) < len(selection.rankings)
             further = (self._seen_before if one_went else self._worth_asking)(selection, bank)
